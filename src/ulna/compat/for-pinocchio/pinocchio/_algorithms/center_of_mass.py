@@ -169,13 +169,6 @@ def _known_level(data: Data, level: Any) -> int:
     return known
 
 
-def _center_jacobian_of_fields(model: Model, data: Data) -> Any:
-    J = columns_of_fields(model, data, CENTER_COLUMNS)
-    if J is not NotImplemented:
-        computeSubtreeMasses(model, data)
-    return J
-
-
 def _with_masses(model: Model, data: Data, sums: OfFields) -> Any:
     """Runs an algorithm whose inputs are fields of the Data, and fills the masses of subtrees, too."""
     result = sums.run(model, data)
@@ -190,7 +183,8 @@ def _with_masses(model: Model, data: Data, sums: OfFields) -> Any:
     deferred=JOINTS | CENTERS,
     depends_on="masses",
     default_state=("_q", "forwardKinematics(model, data, q)"),
-    of_fields=_center_jacobian_of_fields,
+    of_fields=lambda model, data: columns_of_fields(model, data, CENTER_COLUMNS),
+    step_of_fields=CENTER_COLUMNS.step,
     calls=("model data compute_subtree_coms:bool?", "model data q compute_subtree_coms:bool?"),
 )
 def jacobianCenterOfMass(

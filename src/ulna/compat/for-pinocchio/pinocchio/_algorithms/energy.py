@@ -46,8 +46,8 @@ def _mechanical(model: CoreModel) -> Any:
     return lambda q, v: (*energies(model, q, v), *_placed(model, q, v))
 
 
-def _number(energy: OfFields) -> Any:
-    return lambda model, data: float(energy.run(model, data))
+def _of_fields(energy: OfFields) -> dict[str, Any]:
+    return {"of_fields": energy.run, "step_of_fields": energy.step}
 
 
 _WITH_VELOCITY: dict[str, Any] = {
@@ -62,7 +62,7 @@ _WITH_VELOCITY: dict[str, Any] = {
     kernel=_kinetic,
     returns=(0,),
     depends_on="masses",
-    of_fields=_number(KINETIC_ENERGY),
+    **_of_fields(KINETIC_ENERGY),
     **_WITH_VELOCITY,
 )
 def computeKineticEnergy(model: Model, data: Data, q: Any = None, v: Any = None) -> float:
@@ -84,7 +84,7 @@ def computeKineticEnergy(model: Model, data: Data, q: Any = None, v: Any = None)
     returns_number=True,
     deferred=JOINTS,
     default_state=("_q", "forwardKinematics(model, data, q)"),
-    of_fields=_number(POTENTIAL_ENERGY),
+    **_of_fields(POTENTIAL_ENERGY),
 )
 def computePotentialEnergy(model: Model, data: Data, q: Any = None) -> float:
     """The potential energy [J]; kept in `data.potential_energy`.
@@ -102,7 +102,7 @@ def computePotentialEnergy(model: Model, data: Data, q: Any = None) -> float:
     fills=("energy K", "energy P", "energy K + P", "oMi", "v"),
     kernel=_mechanical,
     returns=(2,),
-    of_fields=_number(MECHANICAL_ENERGY),
+    **_of_fields(MECHANICAL_ENERGY),
     **_WITH_VELOCITY,
 )
 def computeMechanicalEnergy(model: Model, data: Data, q: Any = None, v: Any = None) -> float:

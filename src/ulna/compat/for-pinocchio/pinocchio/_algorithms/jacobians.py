@@ -116,6 +116,7 @@ _JACOBIAN_AND_PLACEMENTS = Algorithm(
     deferred=JOINTS_AFTER_KINEMATICS,
     default_state=("_q", "forwardKinematics(model, data, q)"),
     of_fields=lambda model, data: columns_of_fields(model, data, COLUMNS),
+    step_of_fields=COLUMNS.step,
 )
 def computeJointJacobians(model: Model, data: Data, q: Any = None) -> Floats:
     """Fills `data.J` (columns in WORLD), `data.oMi` and `data.liMi`; returns J (6, nv).

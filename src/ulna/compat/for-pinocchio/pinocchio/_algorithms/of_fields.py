@@ -18,6 +18,10 @@ from pinocchio._model.model import Model
 from ulna.model import Model as CoreModel
 from ulna.typing import Array, Floats
 
+_MOST_EARLIER = 4
+"""How many kernels, bound for other fields that were read, are kept: the first call after another algorithm and the
+second one differ in these fields."""
+
 
 @final
 @dataclass(frozen=True, eq=False)
@@ -108,35 +112,49 @@ class OfFields:
         bodies = model._parameter_blocks("inertias")
         parameters = [*model._parameter_blocks("gravity"), *model._parameter_blocks("armature")]
         read = [_array(data, name) for name in (*self.reads, *taken)]
-        is_evaluated = len(bodies) > 1 or "mass" in taken  # which is no array
+        is_evaluated = "mass" in taken  # which is no array
         if is_evaluated or model.first_calls.includes(self.name, NUMBER_CALLS):
             function = self._function(taken)(EvaluatedModel(model).model)
             with np.errstate(all="ignore"):
                 return self._left(model, data, function(*read, np.concatenate(bodies), *parameters))
-        inputs = [*read, bodies[0], *parameters]
+        inputs = [*read, *bodies, *parameters]
         needed = self._needed(data)
         watch += [
             *model._watched(self.depends_on),
             *((data._arrays[x], data._arrays[y]) for x, y in self.same),
+            *self._constants(model, data),
         ]
         watch += [(data._mark_of(name), np.zeros(())) for name in needed]
-        step = data._bound_after_reads(needed, self._bind(model, data, taken, inputs, watch))
-        if data._model is model:
-            data._bound_at[self.name] = step
+        bind = self._bind(model, data, taken, inputs, watch, range(len(read), len(read) + len(bodies)))
+        if data._model is not model:
+            return data._bound_after_reads(needed, bind)()
+        before = data._bound_at.get((self.name, "bound before"), 0)
+        earlier = self.step(model, data) if before < _MOST_EARLIER else not_applicable
+        step = data._bound_at[self.name] = data._bound_after_reads(needed, bind, earlier)
+        data._bound_at[self.name, "bound before"] = before + 1 if before < _MOST_EARLIER else 1
         return step()
 
     def _bind(
-        self, model: Model, data: Data, taken: tuple[str, ...], inputs: list[Floats], watch: list[Any]
+        self,
+        model: Model,
+        data: Data,
+        taken: tuple[str, ...],
+        inputs: list[Floats],
+        watch: list[Any],
+        bodies: range,
     ) -> Callable[..., Any]:
-        """Compiles it; what binds it, given what is called where it does not apply."""
+        """Compiles it; what binds it, given what is called where it does not apply.
+
+        `bodies` are the places of the blocks of inertias among the inputs.
+        """
+        blocks = tuple(len(inputs[place]) for place in bodies)
         side_targets, copied, values = self._sides(model, data)
         inputs = [*copied, *inputs]
         sizes: dict[str, Any] = {f"x{k}": x.shape for k, x in enumerate(inputs)}
-        key = self.name, taken, tuple(model.parents), len(copied), tuple(values)
+        key = self.name, taken, tuple(model.parents), len(copied), tuple(values), blocks
 
         def build(core: CoreModel) -> Any:
-            function = self._function(taken)(core)
-            return lambda *args: (*function(*args[len(copied) :]), *args[: len(copied)], *values)
+            return _with_sides(self._function(taken)(core), len(copied), bodies, values)
 
         kernel = model._compiled_structure().compile(key, build, **sizes)
         outputs = zip(self.fills, kernel.function.outputs, strict=False)
@@ -188,6 +206,17 @@ class OfFields:
         by_name = {one.name: one for one in ALGORITHMS}
         return [(by_name[name], fields) for name, fields in self.leaves]
 
+    def _constants(self, model: Model, data: Data) -> list[Any]:
+        """Parameters, as pairs for `watch`, that are constants of the kernels of what is deferred."""
+        if not self.leaves or data._attach(model).parameter_names:  # else they are copied at each call
+            return []
+        return [
+            pair
+            for record, _ in self._records()
+            if record.deferred
+            for pair in model._watched(record.depends_on)
+        ]
+
     def _sides(self, model: Model, data: Data) -> tuple[list[Floats], list[Floats], list[float]]:
         """What a kernel writes besides its results: into which arrays, what is copied there, and marks of fields."""
         arrays, marks = data._arrays, {name: 0.0 for name in self.fills if name in data._slots}
@@ -228,6 +257,18 @@ class OfFields:
             return tuple(np.array(results[k], float) for k in self.returns)
         result = np.array(results[self.returns], float)
         return result if self.holder is None else self.holder(result)
+
+
+def _with_sides(function: Any, copied: int, bodies: range, values: list[float]) -> Any:
+    """A function of what is copied, and of the inputs with inertias in blocks: its results, the copies and numbers."""
+
+    def run(*args: Any) -> tuple[Any, ...]:
+        own = args[copied:]
+        inertias = np.concatenate([own[place] for place in bodies])
+        results = function(*own[: bodies.start], inertias, *own[bodies.stop :])
+        return (*results, *args[:copied], *values)
+
+    return run
 
 
 def _filled(data: Data, name: str) -> Floats:

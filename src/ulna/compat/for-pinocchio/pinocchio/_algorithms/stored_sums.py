@@ -83,14 +83,17 @@ def _mechanical(_: CoreModel) -> Any:
     return run
 
 
-KINETIC_ENERGY = OfFields("kinetic energy of fields", ("v", "velocities v"), ("energy K",), _kinetic)
-POTENTIAL_ENERGY = OfFields("potential energy of fields", ("oMi",), ("energy P",), _potential)
+KINETIC_ENERGY = OfFields(
+    "kinetic energy of fields", ("v", "velocities v"), ("energy K",), _kinetic, holder=float
+)
+POTENTIAL_ENERGY = OfFields("potential energy of fields", ("oMi",), ("energy P",), _potential, holder=float)
 MECHANICAL_ENERGY = OfFields(
     "mechanical energy of fields",
     ("oMi", "v", "velocities v"),
     ("energy K", "energy P", "energy K + P"),
     _mechanical,
     2,
+    holder=float,
 )
 
 
@@ -412,6 +415,8 @@ CENTER_COLUMNS = OfFields(
         ("center_jacobian q", "placements q"),
         ("centers q", "placements q"),
     ),
+    leaves=(("computeSubtreeMasses", ("mass",)),),
+    state="placements",
 )
 
 

@@ -19,7 +19,7 @@ from pinocchio._containers.keywords import general_case, overloads, with_names
 from pinocchio._data.algorithm import PARAMETER_NAMES, Algorithm
 from pinocchio._data.binding import run
 from pinocchio._spatial.motion_force import checked_forces
-from ulna.compiler.runtime.repeated_calls import call_cache, repeated_calls
+from ulna.compiler.runtime.repeated_calls import CallCache, call_cache, repeated_calls
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 _LETTERS = {name: letter for letter, name in PARAMETER_NAMES.items()}
@@ -31,6 +31,7 @@ def algorithm(
     *,
     default_state: tuple[str, str] | None = None,
     of_fields: Callable[[Any, Any], Any] | None = None,
+    step_of_fields: Callable[[Any, Any], Any] | None = None,
     forces: Algorithm | None = None,
     returns_field: str = "",
     returns_number: bool = False,
@@ -44,6 +45,7 @@ def algorithm(
         default_state: For a q that may be left out: the attribute of Data with the state to take then, and the call
             that stores it.
         of_fields: What runs in place of the algorithm when q is left out, on what the Data holds, where it applies.
+        step_of_fields: The kernel bound to a Model and a Data that does all that `of_fields` does.
         forces: The record of the algorithm under forces on the joints, for functions that take `fext`.
         returns_field: A field of Data to return, in place of outputs.
         returns_number: Whether the output that is returned is one number.
@@ -55,31 +57,45 @@ def algorithm(
     """
 
     def decorate(function: Function) -> Function:
-        names = [name for name in inspect.signature(function).parameters if name in _LETTERS]
-        inputs = "".join(_LETTERS[name] for name in names)
-        name = function.__name__
-        made = Algorithm(name, inputs, fills, kernel, title=name, **record)
+        inputs = "".join(_LETTERS.get(name, "") for name in inspect.signature(function).parameters)
+        made = Algorithm(function.__name__, inputs, fills, kernel, title=function.__name__, **record)
+        repeated = call_cache(2, weak=2)
+        on_fields = of_fields and _noted(of_fields, step_of_fields, repeated)
 
         def general(model: Any, data: Any, *args: Any) -> Any:
             state, rest = args[: len(inputs)], args[len(inputs) :]
             if default_state is not None and state[0] is None:
                 stored = data._require(getattr(data, default_state[0]), default_state[1])
-                if of_fields is not None and (result := of_fields(model, data)) is not NotImplemented:
+                if on_fields is not None and (result := on_fields(model, data)) is not NotImplemented:
                     return getattr(data, returns_field) if returns_field else result
                 state = (stored,) if len(inputs) == 1 else tuple(x.copy() for x in stored)
-            if forces is not None and rest[0] is not None:
-                result = run(model, data, forces, *state, *checked_forces(rest[0], model.njoints))
-            else:
+            if forces is None or rest[0] is None:
                 result = run(model, data, made, *state)
+            else:
+                result = run(model, data, forces, *state, *checked_forces(rest[0], model.njoints))
             result = float(result) if returns_number else result
             return getattr(data, returns_field) if returns_field else result
 
         functools.update_wrapper(general, function)
         body = overloads(*calls)(with_names(general)) if calls else _without_none(general)
-        made_fast = fast_path(made, forces=forces, returns_field=returns_field, returns_number=returns_number)
-        return made_fast(body)  # type: ignore[return-value]
+        returned = {"returns_field": returns_field, "returns_number": returns_number}
+        return fast_path(made, forces=forces, calls=repeated, **returned)(body)  # type: ignore[return-value]
 
     return decorate
+
+
+def _noted(of_fields: Any, step: Callable[[Any, Any], Any] | None, repeated: CallCache) -> Any:
+    """The same function; where it applies, the step answers the next call with the same Model and Data."""
+    if step is None:
+        return of_fields
+
+    def on_fields(model: Any, data: Any) -> Any:
+        result = of_fields(model, data)
+        if result is not NotImplemented:
+            repeated.add(step(model, data), 0, model, data)
+        return result
+
+    return on_fields
 
 
 def _without_none(function: Any) -> Any:
@@ -99,6 +115,7 @@ def fast_path(
     alternative: tuple[str, Any, Algorithm] | None = None,
     returns_field: str = "",
     returns_number: bool = False,
+    calls: CallCache | None = None,
 ) -> Callable[[Function], Function]:
     """Calls the bound kernel of an algorithm first; where that fails, the decorated function with arguments checked.
 
@@ -108,10 +125,12 @@ def fast_path(
         alternative: The name of a parameter, a value of it, and the algorithm to call where it has this value.
         returns_field: A field of Data to return, in place of outputs.
         returns_number: Whether the output that is returned is one number.
+        calls: The cache of calls with the same model and data; None for a new one.
 
     Returns:
         The decorator.
     """
+    calls = calls or call_cache(2, weak=2)
 
     def decorate(function: Function) -> Function:
         parameters = inspect.signature(function).parameters
@@ -120,7 +139,6 @@ def fast_path(
             f"data.{returns_field}" if returns_field else "float(result)" if returns_number else "result"
         )
         source = "\n".join(_source(name, parameters, records, forces, alternative, returned))
-        calls = call_cache(2, weak=2)
         scope: dict[str, Any] = {
             "general": general_case(function),
             "alternative": (alternative or "  ")[1],

@@ -250,17 +250,30 @@ class FieldStates:
                 return
             self._bound_reads.update({(float(number), field): bound for field in fields})
 
-    def _bound_after_reads(self, fields: Sequence[str], bind: Callable[[Callable[..., Any]], Any]) -> Any:
+    def _bound_after_reads(
+        self,
+        fields: Sequence[str],
+        bind: Callable[[Callable[..., Any]], Any],
+        otherwise: Callable[..., Any] = not_applicable,
+    ) -> Any:
         """A bound kernel that needs deferred fields, and computes them where they are not there yet.
 
         Args:
             fields: Their names.
             bind: Binds the kernel, given what it calls where it does not apply; it watches the marks of these fields.
+            otherwise: A kernel bound to the same arrays, which is called where this one does not apply although the
+                fields are there.
 
         Returns:
             The bound kernel.
         """
-        again, marks, reads = bind(not_applicable), self._marks, self._bound_reads
+        marks, reads = self._marks, self._bound_reads
+
+        def call_other(*args: Any) -> Any:
+            return otherwise(*args)
+
+        call_other.examines_arrays = True  # pyright: ignore[reportFunctionMemberAccess]
+        again = bind(not_applicable if otherwise is not_applicable else call_other)
         slots = [(self._slots[field], field) for field in fields]
 
         def read_first(*args: Any) -> Any:

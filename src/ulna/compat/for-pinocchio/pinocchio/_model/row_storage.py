@@ -1,4 +1,4 @@
-"""Where arrays of objects lie: in rows that never move from the moment an object is added."""
+"""Where arrays of objects lie: in rows that do not move once there are two objects."""
 
 from __future__ import annotations
 
@@ -74,13 +74,20 @@ class RowStorage:
     def _append(self, owner: Any) -> None:
         values = getattr(owner, self._slot)
         if not self._blocks or self._used == len(self._blocks[-1]):
-            self._blocks.append(np.zeros((_BLOCK_ROWS, *values.shape)))
-            self._used = 0
+            self._begin_block(values.shape)
         row = self._blocks[-1][self._used]
         row[...] = values
         setattr(owner, self._slot, row)
         self._owners.append(owner)
         self._used, self.count = self._used + 1, self.count + 1
+
+    def _begin_block(self, shape: tuple[int, ...]) -> None:
+        block, self._used = np.zeros((_BLOCK_ROWS, *shape)), 0
+        if self.count == 1:  # the universe of a new model moves: kernels read one block in less time than two
+            block[:1], self._used = self._blocks.pop(), 1
+            for owner in self._owners:
+                setattr(owner, self._slot, block[0])
+        self._blocks.append(block)
 
     def objects(self, make: Callable[[Floats], Any]) -> list[Any]:
         """The objects of the rows that the storage was made with, each made of its row by `make`."""
