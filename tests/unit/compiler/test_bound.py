@@ -348,13 +348,18 @@ def test_calls_leave_no_references(kernel, targets):
             kernel(Q, V, out=targets)
             step([1, 2, 3], V)
 
-    rounds()
-    gc.collect()
-    before = [sys.getrefcount(w) for w in watched]
-    rounds()
-    gc.collect()
-    after = [sys.getrefcount(w) for w in watched]
-    assert max(abs(a - b) for a, b in zip(after, before, strict=True)) <= 5
+    def counts() -> list[int]:
+        rounds()
+        gc.collect()
+        return [sys.getrefcount(w) for w in watched]
+
+    def changes() -> int:
+        before, after = counts(), counts()
+        return max(abs(a - b) for a, b in zip(after, before, strict=True))
+
+    assert (
+        min(changes() for _ in range(3)) <= 5
+    )  # threads that other tests left behind refer to None and to types, too
 
 
 def test_threads_may_call_one_bound_kernel(kernel, targets):
