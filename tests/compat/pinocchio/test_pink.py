@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
@@ -10,9 +9,6 @@ import pytest
 
 from support.two_pythons import both
 from ulna.robots.example_robot_data import files
-
-if find_spec("pink") is None:  # it is imported by child processes only
-    pytest.skip("pink is not installed", allow_module_level=True)
 
 
 @pytest.mark.parametrize(
@@ -24,6 +20,7 @@ if find_spec("pink") is None:  # it is imported by child processes only
     ],
 )
 def test_pink_takes_the_same_way(robot: str, root: str, frame: str, tmp_path: Path) -> None:
+    pytest.importorskip("pink")
     script = Path(__file__).parent / "pink_path.py"
     own, wanted = (np.array(p) for p in both(script, tmp_path, str(files(robot)[0]), root, frame))
     assert np.abs(wanted[-1] - wanted[0]).max() > 0.05

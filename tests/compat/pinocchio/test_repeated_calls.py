@@ -215,7 +215,7 @@ def test_models_and_data_that_change_at_random_answer_as_fresh_ones(
         lambda: pairs.append([pairs[0][0], copy.copy(pairs[0][1])]),
         gc.collect,
     ]
-    for step in range(400):
+    for step in range(240):
         if step % 6 == 5:
             draws.choice(changes)()
         model, data = draws.choice(pairs)
