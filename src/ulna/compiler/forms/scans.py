@@ -2,8 +2,8 @@
 
 The columns are divided into segments of neighbours, one for each lane. Each lane walks along its own segment with a
 state that an associative operation joins: from the identity to the state at the segment's end. The ends are joined in
-as many rounds as two is to be doubled to have the lanes, so that later walks know the state before each segment. A walk
-may also have no state, and compute all columns alike.
+log2(lanes) rounds, so that later walks know the state before each segment. A walk may also have no state, and compute
+all columns alike.
 
 Source: Blelloch 1990, Prefix sums and their applications.
 """
