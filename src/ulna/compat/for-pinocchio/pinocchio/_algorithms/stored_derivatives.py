@@ -21,7 +21,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from pinocchio._algorithms.of_fields import OfFields, inputs_by_name
-from pinocchio._spatial.small_kernels import body, pose, spread
+from pinocchio._spatial.small_kernels import as_force, as_motion, body, pose, spread
 from ulna.algorithms.multibody.batch_shapes import batch_zeros
 from ulna.algorithms.multibody.mass_moments import MassMoments
 from ulna.model import Model as CoreModel
@@ -108,14 +108,6 @@ class Tree(NamedTuple):
         return sums
 
 
-def _motion(vector: Array) -> Motion:
-    return Motion(vector[:3], vector[3:])
-
-
-def _force(vector: Array) -> Force:
-    return Force(vector[:3], vector[3:])
-
-
 def _bodies(fields: dict[str, Array]) -> list[MassMoments]:
     """The inertia of the body of each joint but the universe, about the world's origin."""
     poses, inertias = fields["oMi"][1:], fields["inertias"][1:]
@@ -127,9 +119,9 @@ def _bodies(fields: dict[str, Array]) -> list[MassMoments]:
 def _in_world(fields: dict[str, Array], name: str) -> list[Motion]:
     """`ov` or `oa` of all joints but the universe: of the field, where it was read, else of `v` or `a`."""
     if "o" + name in fields:
-        return [_motion(row) for row in fields["o" + name][1:]]
+        return [as_motion(row) for row in fields["o" + name][1:]]
     moved = zip(fields["oMi"][1:], fields[name][1:], strict=True)
-    return [pose(T).act(_motion(row)) for T, row in moved]
+    return [pose(T).act(as_motion(row)) for T, row in moved]
 
 
 _CORIOLIS_READS = ("oMi", "J", "dJ", "v", "derivatives q", "derivatives v")
@@ -141,10 +133,10 @@ def _coriolis(core: CoreModel, taken: tuple[str, ...]) -> Any:
     def run(*args: Array) -> tuple[Array]:
         x = inputs_by_name((*_CORIOLIS_READS, *taken), args)
         bodies, twists = _bodies(x), _in_world(x, "v")
-        momenta = [_force(row) for row in x["oh"][1:]] if "oh" in x else [None] * len(bodies)
+        momenta = [as_force(row) for row in x["oh"][1:]] if "oh" in x else [None] * len(bodies)
         rates = [Rates.of_body(*one) for one in zip(bodies, twists, momenta, strict=True)]
         Y, B = tree.summed(bodies), tree.summed(rates, Rates.plus)
-        J, dJ = ([_motion(x[name][:, k]) for k in range(core.nv)] for name in ("J", "dJ"))
+        J, dJ = ([as_motion(x[name][:, k]) for k in range(core.nv)] for name in ("J", "dJ"))
         C = batch_zeros((core.nv, core.nv), x["J"][0])
         for joint in range(1, len(Y)):
             before = [i for other in tree.ancestors(joint) for i in tree.entries[other]]
@@ -208,7 +200,7 @@ class _Whole(NamedTuple):
         own = [Y.apply(twist) for Y, twist in zip(bodies, V, strict=True)]
         gains = [Y.apply(a) + v.cross(h) for Y, v, a, h in zip(bodies, V, A, own, strict=True)]
         rates = [Rates.of_body(Y, twist, None) for Y, twist in zip(bodies, V, strict=True)]
-        momenta = [_force(row) for row in x["oh"][1:]] if "oh" in x else own
+        momenta = [as_force(row) for row in x["oh"][1:]] if "oh" in x else own
         sums = tree.summed(bodies), tree.summed(rates, Rates.plus), tree.summed(momenta), tree.summed(gains)
         rest = Motion.zero()
         return cls(*sums, [rest, *V], [rest, *A])
@@ -222,7 +214,7 @@ def _centroidal_results(core: CoreModel, tree: Tree, x: dict[str, Array]) -> tup
     weight = Force(whole.mass * gravity, cross(whole.first, gravity))
     through = F - weight
     if "of" in x:
-        on_base = [_force(x["of"][i]) for i, parent in enumerate(tree.parents) if i and not parent]
+        on_base = [as_force(x["of"][i]) for i, parent in enumerate(tree.parents) if i and not parent]
         through = sum(on_base, Force.zero())
     drift, pull = h.linear / whole.mass, through.linear / whole.mass
     results = [batch_zeros((6, core.nv), x["J"][0]) for _ in range(4)]
@@ -243,17 +235,17 @@ def _centroidal_results(core: CoreModel, tree: Tree, x: dict[str, Array]) -> tup
 def _column_changes(sums: _Whole, before: int, joint: int, k: int, x: dict[str, Array]) -> tuple[Force, ...]:
     """dh/dq, dF/dq with weights, dF/dv and dF/da of column k, about the world's origin, or fields that were read."""
     Y, B, V, A = sums.Y[joint], sums.B[joint], sums.V[before], sums.A[before]
-    s, ds = (_motion(x[name][:, k]) for name in ("J", "dJ"))
+    s, ds = (as_motion(x[name][:, k]) for name in ("J", "dJ"))
     psi = V.cross(s)
-    r = _force(x["dFda"][:, k]) if "dFda" in x else Y.apply(s)
+    r = as_force(x["dFda"][:, k]) if "dFda" in x else Y.apply(s)
     if "dFdq" in x:
-        dF = _force(x["dFdq"][:, k])
+        dF = as_force(x["dFdq"][:, k])
     else:
         half = B.apply(psi)
         dF = half + half + Y.apply(A.cross(s) + V.cross(psi)) + s.cross(sums.F[joint])
         dF = Force(dF.linear, dF.angular - cross(r.linear, x["gravity"]))
     if "dFdv" in x:
-        dF_v = _force(x["dFdv"][:, k])
+        dF_v = as_force(x["dFdv"][:, k])
     else:
         half = B.apply(s)
         dF_v = half + half + Y.apply(ds + psi)

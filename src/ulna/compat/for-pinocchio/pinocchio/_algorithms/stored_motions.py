@@ -28,7 +28,7 @@ import numpy as np
 from pinocchio._data.data import Data
 from pinocchio._model.model import Model
 from pinocchio._spatial.se3 import SE3
-from pinocchio._spatial.small_kernels import pose
+from pinocchio._spatial.small_kernels import as_motion, pose
 from ulna import spatial
 from ulna.algorithms.kinematics.hessian import hessian_of_columns
 from ulna.algorithms.kinematics.jacobian import Column as PlacedColumn
@@ -200,11 +200,11 @@ def jacobian_rate(carrier: Carrier) -> Callable[..., Array]:
 
     def run(*inputs: Array) -> Array:
         placement, T, (J, dJ, *velocity) = carrier.split(inputs)
-        twist = _motion(velocity[0]) if velocity else Motion.zero()
+        twist = as_motion(velocity[0]) if velocity else Motion.zero()
         twist = placement.act_inverse(twist) if carrier.reference == "local" else carrier.moved(T, twist)
 
         def rate(k: int) -> Motion:
-            moved, column = (carrier.moved(T, _motion(x[:, k])) for x in (dJ, J))
+            moved, column = (carrier.moved(T, as_motion(x[:, k])) for x in (dJ, J))
             if carrier.reference == "local":
                 return moved - twist.cross(column)
             if carrier.reference == "world":
@@ -233,20 +233,20 @@ def motion_derivatives(carrier: Carrier, with_accelerations: bool) -> Callable[.
 
     def run(*inputs: Array) -> tuple[Array, ...]:
         placement, T, (J, ov, *more) = carrier.split(inputs)
-        columns = [_motion(J[:, column.index]) for column in carrier.columns]
+        columns = [as_motion(J[:, column.index]) for column in carrier.columns]
         V_q = [W.cross(j) for W, j in zip(_before(carrier, ov), columns, strict=True)]
         J_frame = carrier.matrix(carrier.moved(T, column) for column in columns)
         by_q = carrier.matrix(carrier.moved(T, motion) for motion in V_q)
         if not with_accelerations:
             return by_q, J_frame, T.matrix()
         dJ, oa, v = more
-        rates = [_motion(dJ[:, column.index]) for column in carrier.columns]
+        rates = [as_motion(dJ[:, column.index]) for column in carrier.columns]
         turned = [W.cross(j) for W, j in zip(_before(carrier, oa), columns, strict=True)]
         swept = _swept(carrier, ov, columns, V_q, rates)
         A_q = carrier.matrix(carrier.moved(T, x + y) for x, y in zip(turned, swept, strict=True))
         A_v = carrier.matrix(carrier.moved(T, x + y) for x, y in zip(rates, V_q, strict=True))
         if carrier.reference == "local":
-            turning = placement.act_inverse(_motion(v)).cross_matrix()
+            turning = placement.act_inverse(as_motion(v)).cross_matrix()
             A_q, A_v = A_q - turning @ by_q, A_v - turning @ J_frame
         return by_q, A_q, A_v, J_frame, T.matrix()
 
@@ -269,7 +269,7 @@ def point_derivatives(carrier: Carrier) -> Callable[..., tuple[Array, ...]]:
     turns = carrier.reference != "local"
 
     def run(M: Array, oMi: Array, J: Array, ov: Array, dJ: Array, oa: Array) -> tuple[Array, ...]:
-        own, gain = _motion(ov[carrier.joint]), _motion(oa[carrier.joint])
+        own, gain = as_motion(ov[carrier.joint]), as_motion(oa[carrier.joint])
         V_q, A_q, A_v, J_frame, pose_of_frame = of_motions(
             M, oMi, J, ov, dJ, oa, pose(oMi).act_inverse(own).vector()
         )
@@ -322,7 +322,7 @@ def hessian(carrier: Carrier, orders: tuple[int, ...]) -> Callable[..., Array]:
     def run(*inputs: Array) -> Array:
         _, T, (J,) = carrier.split(inputs)
         columns = [
-            PlacedColumn(order, column.index, carrier.moved(T, _motion(J[:, column.index])))
+            PlacedColumn(order, column.index, carrier.moved(T, as_motion(J[:, column.index])))
             for column, order in zip(carrier.columns, orders, strict=True)
         ]
         zeros = batch_zeros((carrier.nv, 6, carrier.nv), J[0])
@@ -334,9 +334,9 @@ def hessian(carrier: Carrier, orders: tuple[int, ...]) -> Callable[..., Array]:
 def _before(carrier: Carrier, motions: Array) -> list[Motion]:
     """For each column the motion of the joint before its own; but in the frame's axes, less that of the frame."""
     before = [
-        _motion(motions[column.before]) if column.before else Motion.zero() for column in carrier.columns
+        as_motion(motions[column.before]) if column.before else Motion.zero() for column in carrier.columns
     ]
-    own = _motion(motions[carrier.joint])
+    own = as_motion(motions[carrier.joint])
     return before if carrier.reference == "local" else [motion - own for motion in before]
 
 
@@ -352,10 +352,6 @@ def _swept(
         elif carrier.reference == "local":
             swept.append(turn.cross(by_q))
         else:
-            own = Motion.zero() if is_only else (_motion(ov[before]) - _motion(ov[joint])).cross(column)
+            own = Motion.zero() if is_only else (as_motion(ov[before]) - as_motion(ov[joint])).cross(column)
             swept.append(turn.cross(rate + own))
     return swept
-
-
-def _motion(vector: Array) -> Motion:
-    return Motion(vector[:3], vector[3:])

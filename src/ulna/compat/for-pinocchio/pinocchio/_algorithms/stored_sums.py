@@ -22,7 +22,7 @@ import numpy as np
 from pinocchio._algorithms.of_fields import OfFields, inputs_by_name
 from pinocchio._data.data import Data
 from pinocchio._model.model import Model
-from pinocchio._spatial.small_kernels import body, pose
+from pinocchio._spatial.small_kernels import as_motion, body, pose
 from ulna import spatial
 from ulna.model import Model as CoreModel
 from ulna.numeric import cross, dot
@@ -45,14 +45,10 @@ def _summed(parents: Sequence[int], values: Sequence[Sum], carried: Callable[[in
     return sums
 
 
-def _motion(vector: Array) -> Motion:
-    return Motion(vector[:3], vector[3:])
-
-
 def _kinetic_of(v: Array, rate: Array, inertias: Array, armature: Array) -> Any:
     energy = 0.5 * dot(rate * armature, rate)
     for k in range(1, len(v)):
-        V = _motion(v[k])
+        V = as_motion(v[k])
         energy = energy + 0.5 * dot(V.vector(), body(inertias[k]).apply(V).vector())
     return energy
 
@@ -106,7 +102,7 @@ def _momentum(core: CoreModel, with_rate: bool) -> Any:
         placed = [pose(M) for M in liMi]
         bodies = [body(row) for row in inertias]
         moving = range(1, len(parents))
-        twists = [_motion(row) for row in v]
+        twists = [as_motion(row) for row in v]
         momenta = [bodies[k].apply(twists[k]) for k in moving]
 
         def sums(values: Sequence[Any], nothing: Any) -> list[Any]:
@@ -120,7 +116,7 @@ def _momentum(core: CoreModel, with_rate: bool) -> Any:
         results = [_about(center, h[0]), _about_centre(moved[0]), _rows(h), centers, rates]
         if with_rate:
             gains = [
-                bodies[k].apply(_motion(accelerations[0][k])) + twists[k].cross(momenta[k - 1])
+                bodies[k].apply(as_motion(accelerations[0][k])) + twists[k].cross(momenta[k - 1])
                 for k in moving
             ]
             f = sums(gains, spatial.Force.zero())
@@ -272,7 +268,10 @@ def _center_rate_columns(core: CoreModel, taken: tuple[str, ...]) -> Any:
         x = inputs_by_name((*_CENTER_RATE_READS, *taken), args)
         oMi, inertias = x["oMi"], x["inertias"]
         moments = _moments_in_world(oMi, inertias)
-        twists = [Motion.zero(), *(pose(T).act(_motion(v)) for T, v in zip(oMi[1:], x["v"][1:], strict=True))]
+        twists = [
+            Motion.zero(),
+            *(pose(T).act(as_motion(v)) for T, v in zip(oMi[1:], x["v"][1:], strict=True)),
+        ]
         momenta = [
             mass * V.linear + cross(V.angular, moment)
             for (mass, moment), V in zip(moments, twists, strict=True)
@@ -365,7 +364,7 @@ def _subtree_results(core: CoreModel, root: int, x: dict[str, Array]) -> tuple[A
     masses = list(x["mass"]) if "mass" in x else masses
     if "J" in x:
         columns = [
-            [_motion(x["J"][:, joint.idx_v + k]) for k in range(joint.kind.nv)] for joint in core.joints
+            [as_motion(x["J"][:, joint.idx_v + k]) for k in range(joint.kind.nv)] for joint in core.joints
         ]
     else:
         columns = _columns_of(core, oMi, x["placements q"])[1:]

@@ -34,12 +34,18 @@ def _numbers(inertia: spatial.Inertia) -> Array:
     return np.concatenate([[inertia.mass], inertia.com, np.reshape(inertia.inertia, 9)])
 
 
-def _motion(v: Array) -> spatial.Motion:
+def as_motion(v: Array) -> spatial.Motion:
+    """The motion of six numbers, linear part first."""
     return spatial.Motion(v[:3], v[3:])
 
 
+def as_force(v: Array) -> spatial.Force:
+    """The force of six numbers, linear part first."""
+    return spatial.Force(v[:3], v[3:])
+
+
 def _dual(v: Array) -> Array:
-    return -_motion(v).cross_matrix().T
+    return -as_motion(v).cross_matrix().T
 
 
 def _homogeneous(v: Array) -> Array:
@@ -170,7 +176,7 @@ def _classic(v: Array, a: Array) -> Array:
 
 def _classic_at(v: Array, a: Array, m: Array) -> Array:
     there = pose(m)
-    return _classic(there.act_inverse(_motion(v)).vector(), there.act_inverse(_motion(a)).vector())
+    return _classic(there.act_inverse(as_motion(v)).vector(), there.act_inverse(as_motion(a)).vector())
 
 
 def between(u: Array, v: Array) -> tuple[Array, Any]:
@@ -322,8 +328,8 @@ INERTIAS: dict[str, tuple[Any, ...]] = {
 }
 """What makes inertias."""
 FORCES: dict[str, tuple[Any, ...]] = {
-    "momentum": (lambda p, v: body(p).apply(_motion(v)).vector(), _P, _V),
-    "rate": (lambda p, v: _motion(v).cross(body(p).apply(_motion(v))).vector(), _P, _V),
+    "momentum": (lambda p, v: body(p).apply(as_motion(v)).vector(), _P, _V),
+    "rate": (lambda p, v: as_motion(v).cross(body(p).apply(as_motion(v))).vector(), _P, _V),
 }
 """What makes forces of an inertia and a velocity."""
 _FUNCTIONS: dict[str, tuple[Any, ...]] = {
@@ -331,16 +337,16 @@ _FUNCTIONS: dict[str, tuple[Any, ...]] = {
     "pose point back": (lambda m, x: m[:3, :3].T @ (x - m[:3, 3]), _M, _X),
     "pose excess": (pose_excess, _M, _M, ()),
     "excess": (six_excess, _V, _V, ()),
-    "motion matrix": (lambda v: _motion(v).cross_matrix(), _V),
+    "motion matrix": (lambda v: as_motion(v).cross_matrix(), _V),
     "motion homogeneous": (_homogeneous, _V),
     "motion dual": (_dual, _V),
     "inertia matrix": (lambda p: body(p).matrix(), _P),
     "inertia inverse": (_inverse, _P),
-    "inertia energy": (lambda p, v: _motion(v).dot(body(p).apply(_motion(v))), _P, _V),
+    "inertia energy": (lambda p, v: as_motion(v).dot(body(p).apply(as_motion(v))), _P, _V),
     "inertia v x I": (lambda p, v: _dual(v) @ body(p).matrix(), _P, _V),
-    "inertia I v x": (lambda p, v: body(p).matrix() @ _motion(v).cross_matrix(), _P, _V),
+    "inertia I v x": (lambda p, v: body(p).matrix() @ as_motion(v).cross_matrix(), _P, _V),
     "inertia rate": (
-        lambda p, v: _dual(v) @ body(p).matrix() - body(p).matrix() @ _motion(v).cross_matrix(),
+        lambda p, v: _dual(v) @ body(p).matrix() - body(p).matrix() @ as_motion(v).cross_matrix(),
         _P,
         _V,
     ),
