@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -183,8 +184,7 @@ def _with_masses(model: Model, data: Data, sums: OfFields) -> Any:
     deferred=JOINTS | CENTERS,
     depends_on="masses",
     default_state=("_q", "forwardKinematics(model, data, q)"),
-    of_fields=lambda model, data: columns_of_fields(model, data, CENTER_COLUMNS),
-    step_of_fields=CENTER_COLUMNS.step,
+    of_fields=partial(columns_of_fields, algorithm=CENTER_COLUMNS),
     calls=("model data compute_subtree_coms:bool?", "model data q compute_subtree_coms:bool?"),
 )
 def jacobianCenterOfMass(
@@ -471,7 +471,7 @@ def computeCentroidalMapTimeVariation(model: Model, data: Data, q: Any, v: Any) 
     deferred=_WITH_VELOCITY | SUBTREE_MOMENTA,
     depends_on="masses",
     default_state=("_qv", "forwardKinematics(model, data, q, v)"),
-    of_fields=lambda model, data: _with_masses(model, data, MOMENTUM),
+    of_fields=lambda model, data, _: _with_masses(model, data, MOMENTUM),
     returns_field="hg",
 )
 def computeCentroidalMomentum(model: Model, data: Data, q: Any = None, v: Any = None) -> Force:
@@ -492,7 +492,7 @@ def computeCentroidalMomentum(model: Model, data: Data, q: Any = None, v: Any = 
     deferred=_WITH_VELOCITY | ACCELERATIONS_IN_WORLD | SUBTREE_MOMENTA_AND_RATES,
     depends_on="masses",
     default_state=("_qva", "forwardKinematics(model, data, q, v, a)"),
-    of_fields=lambda model, data: _with_masses(model, data, MOMENTUM_RATE),
+    of_fields=lambda model, data, _: _with_masses(model, data, MOMENTUM_RATE),
     returns_field="dhg",
 )
 def computeCentroidalMomentumTimeVariation(

@@ -331,9 +331,8 @@ def getCoriolisMatrix(model: Model, data: Data) -> Floats:
     """
     state = data._require(data._state_of_derivatives, "computeRNEADerivatives(model, data, q, v, a)")
     if model.nvExtended == model.nv:
-        C = CORIOLIS.run(model, data)
+        C = CORIOLIS.run(model, data, _coriolis_calls)
         if C is not NotImplemented:
-            _coriolis_calls.add(CORIOLIS.step(model, data), 0, model, data)
             return C
     C = computeCoriolisMatrix(model, data, *state[:2])
     data._invalidate(_CORIOLIS_AFTER_DERIVATIVES)

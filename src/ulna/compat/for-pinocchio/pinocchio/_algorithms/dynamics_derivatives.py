@@ -281,9 +281,8 @@ def getCentroidalDynamicsDerivatives(model: Model, data: Data) -> tuple[Floats, 
     call = "computeRNEADerivatives(model, data, q, v, a)"
     state = data._require(data._state_of_derivatives, call)
     if model.nvExtended == model.nv:
-        derivatives = CENTROIDAL.run(model, data)
+        derivatives = CENTROIDAL.run(model, data, _centroidal_calls)
         if derivatives is not NotImplemented:
-            _centroidal_calls.add(CENTROIDAL.step(model, data), 0, model, data)
             return derivatives
     derivatives = computeCentroidalDynamicsDerivatives(model, data, *state)
     data._invalidate(_CENTROIDAL_AFTER_RNEA)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import Any
 
-from pinocchio._algorithms.of_fields import OfFields
 from pinocchio._algorithms.stored_sums import KINETIC_ENERGY, MECHANICAL_ENERGY, POTENTIAL_ENERGY
 from pinocchio._data.data import Data
 from pinocchio._data.deferred_fields import JOINTS, VELOCITIES_IN_WORLD, rows, stacked
@@ -46,10 +45,6 @@ def _mechanical(model: CoreModel) -> Any:
     return lambda q, v: (*energies(model, q, v), *_placed(model, q, v))
 
 
-def _of_fields(energy: OfFields) -> dict[str, Any]:
-    return {"of_fields": energy.run, "step_of_fields": energy.step}
-
-
 _WITH_VELOCITY: dict[str, Any] = {
     "returns_number": True,
     "deferred": JOINTS | VELOCITIES_IN_WORLD,
@@ -62,7 +57,7 @@ _WITH_VELOCITY: dict[str, Any] = {
     kernel=_kinetic,
     returns=(0,),
     depends_on="masses",
-    **_of_fields(KINETIC_ENERGY),
+    of_fields=KINETIC_ENERGY.run,
     **_WITH_VELOCITY,
 )
 def computeKineticEnergy(model: Model, data: Data, q: Any = None, v: Any = None) -> float:
@@ -84,7 +79,7 @@ def computeKineticEnergy(model: Model, data: Data, q: Any = None, v: Any = None)
     returns_number=True,
     deferred=JOINTS,
     default_state=("_q", "forwardKinematics(model, data, q)"),
-    **_of_fields(POTENTIAL_ENERGY),
+    of_fields=POTENTIAL_ENERGY.run,
 )
 def computePotentialEnergy(model: Model, data: Data, q: Any = None) -> float:
     """The potential energy [J]; kept in `data.potential_energy`.
@@ -102,7 +97,7 @@ def computePotentialEnergy(model: Model, data: Data, q: Any = None) -> float:
     fills=("energy K", "energy P", "energy K + P", "oMi", "v"),
     kernel=_mechanical,
     returns=(2,),
-    **_of_fields(MECHANICAL_ENERGY),
+    of_fields=MECHANICAL_ENERGY.run,
     **_WITH_VELOCITY,
 )
 def computeMechanicalEnergy(model: Model, data: Data, q: Any = None, v: Any = None) -> float:

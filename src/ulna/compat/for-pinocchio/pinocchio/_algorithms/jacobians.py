@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -115,8 +116,7 @@ _JACOBIAN_AND_PLACEMENTS = Algorithm(
     depends_on="placements",
     deferred=JOINTS_AFTER_KINEMATICS,
     default_state=("_q", "forwardKinematics(model, data, q)"),
-    of_fields=lambda model, data: columns_of_fields(model, data, COLUMNS),
-    step_of_fields=COLUMNS.step,
+    of_fields=partial(columns_of_fields, algorithm=COLUMNS),
 )
 def computeJointJacobians(model: Model, data: Data, q: Any = None) -> Floats:
     """Fills `data.J` (columns in WORLD), `data.oMi` and `data.liMi`; returns J (6, nv).

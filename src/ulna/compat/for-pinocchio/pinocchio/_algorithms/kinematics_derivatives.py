@@ -319,9 +319,8 @@ def getCenterOfMassVelocityDerivatives(model: Model, data: Data) -> Floats:
     """
     q, v = data._require(data._qv, "computeForwardKinematicsDerivatives(model, data, q, v)")
     if model.nvExtended == model.nv:
-        J = CENTER_RATE_COLUMNS.run(model, data)
+        J = CENTER_RATE_COLUMNS.run(model, data, _center_calls)
         if J is not NotImplemented:
-            _center_calls.add(CENTER_RATE_COLUMNS.step(model, data), 0, model, data)
             return J
     if evaluator := loaded_evaluator(model, data, "com derivatives"):
         derivatives = WorldDerivatives(evaluator, q, v)

@@ -15,6 +15,7 @@ from pinocchio._data.evaluated_model import NUMBER_CALLS, EvaluatedModel
 from pinocchio._data.states import compiled_for
 from pinocchio._model.kernel_cache import Dependence
 from pinocchio._model.model import Model
+from ulna.compiler.runtime.repeated_calls import CallCache
 from ulna.model import Model as CoreModel
 from ulna.typing import Array, Floats
 
@@ -75,12 +76,13 @@ class OfFields:
         """
         return data._bound_at.get(self.name, not_applicable) if data._model is model else not_applicable
 
-    def run(self, model: Model, data: Data) -> Any:
+    def run(self, model: Model, data: Data, calls: CallCache | None = None) -> Any:
         """Fills the Data.
 
         Args:
             model: The model.
             data: Its data.
+            calls: The cache of calls with a Model and a Data that return what this does; the kernel is added to it.
 
         Returns:
             Copies of the results that are returned; NotImplemented where the fields are not all of one state.
@@ -89,8 +91,14 @@ class OfFields:
             InputError: The Data does not fit the model.
         """
         result = self.step(model, data)()
-        if result is not NotImplemented:
-            return result
+        if result is NotImplemented:
+            result = self._run_after_reads(model, data)
+        if calls is not None and result is not NotImplemented:
+            calls.add(self.step(model, data), 0, model, data)
+        return result
+
+    def _run_after_reads(self, model: Model, data: Data) -> Any:
+        """Computes the fields that it reads, where they were deferred, and then the results."""
         compiled_for(model, data)
         arrays = data._arrays
         if not all(np.array_equal(arrays[one], arrays[other]) for one, other in self.same):

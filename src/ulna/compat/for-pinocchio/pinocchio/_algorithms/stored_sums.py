@@ -24,6 +24,7 @@ from pinocchio._data.data import Data
 from pinocchio._model.model import Model
 from pinocchio._spatial.small_kernels import as_motion, body, pose
 from ulna import spatial
+from ulna.compiler.runtime.repeated_calls import CallCache
 from ulna.model import Model as CoreModel
 from ulna.numeric import cross, dot
 from ulna.spatial import Motion
@@ -419,12 +420,13 @@ CENTER_COLUMNS = OfFields(
 )
 
 
-def columns_of_fields(model: Model, data: Data, algorithm: OfFields) -> Any:
+def columns_of_fields(model: Model, data: Data, calls: CallCache, algorithm: OfFields) -> Any:
     """Runs one of `COLUMNS` and `CENTER_COLUMNS`, whose columns are then of the placements' configuration.
 
     Args:
         model: The model.
         data: Its data, which is filled.
+        calls: The cache of calls that return what this does.
         algorithm: Which one.
 
     Returns:
@@ -432,6 +434,6 @@ def columns_of_fields(model: Model, data: Data, algorithm: OfFields) -> Any:
     """
     if model.nvExtended != model.nv:
         return NotImplemented
-    result = algorithm.run(model, data)
+    result = algorithm.run(model, data, calls)
     data._known_states |= {name.split()[0] for name, _ in algorithm.stores}
     return result

@@ -30,8 +30,7 @@ def algorithm(
     kernel: Callable[..., Any],
     *,
     default_state: tuple[str, str] | None = None,
-    of_fields: Callable[[Any, Any], Any] | None = None,
-    step_of_fields: Callable[[Any, Any], Any] | None = None,
+    of_fields: Callable[[Any, Any, CallCache], Any] | None = None,
     forces: Algorithm | None = None,
     returns_field: str = "",
     returns_number: bool = False,
@@ -44,8 +43,8 @@ def algorithm(
         fills, kernel: See `Algorithm`.
         default_state: For a q that may be left out: the attribute of Data with the state to take then, and the call
             that stores it.
-        of_fields: What runs in place of the algorithm when q is left out, on what the Data holds, where it applies.
-        step_of_fields: The kernel bound to a Model and a Data that does all that `of_fields` does.
+        of_fields: What runs in place of the algorithm when q is left out, on what the Data holds, where it applies. It
+            may add a kernel to the cache of calls with the same Model and Data, its last argument.
         forces: The record of the algorithm under forces on the joints, for functions that take `fext`.
         returns_field: A field of Data to return, in place of outputs.
         returns_number: Whether the output that is returned is one number.
@@ -60,13 +59,13 @@ def algorithm(
         inputs = "".join(_LETTERS.get(name, "") for name in inspect.signature(function).parameters)
         made = Algorithm(function.__name__, inputs, fills, kernel, title=function.__name__, **record)
         repeated = call_cache(2, weak=2)
-        on_fields = of_fields and _noted(of_fields, step_of_fields, repeated)
 
         def general(model: Any, data: Any, *args: Any) -> Any:
             state, rest = args[: len(inputs)], args[len(inputs) :]
             if default_state is not None and state[0] is None:
                 stored = data._require(getattr(data, default_state[0]), default_state[1])
-                if on_fields is not None and (result := on_fields(model, data)) is not NotImplemented:
+                result = of_fields(model, data, repeated) if of_fields is not None else NotImplemented
+                if result is not NotImplemented:
                     return getattr(data, returns_field) if returns_field else result
                 state = (stored,) if len(inputs) == 1 else tuple(x.copy() for x in stored)
             if forces is None or rest[0] is None:
@@ -82,20 +81,6 @@ def algorithm(
         return fast_path(made, forces=forces, calls=repeated, **returned)(body)  # type: ignore[return-value]
 
     return decorate
-
-
-def _noted(of_fields: Any, step: Callable[[Any, Any], Any] | None, repeated: CallCache) -> Any:
-    """The same function; where it applies, the step answers the next call with the same Model and Data."""
-    if step is None:
-        return of_fields
-
-    def on_fields(model: Any, data: Any) -> Any:
-        result = of_fields(model, data)
-        if result is not NotImplemented:
-            repeated.add(step(model, data), 0, model, data)
-        return result
-
-    return on_fields
 
 
 def _without_none(function: Any) -> Any:
