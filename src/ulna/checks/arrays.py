@@ -155,19 +155,20 @@ def check_finite(name: str, array: Floats, fix: str = FIND_NAN) -> None:
         raise NonFiniteError(name, index, float(array[index]), fix)
 
 
-def check_not_negative(name: str, array: Floats) -> None:
+def check_not_negative(name: str, array: Floats, noun: str = "numbers") -> None:
     """Checks that no entry of an array of finite numbers is negative.
 
     Args:
         name: The name of the argument, for the message.
         array: The array, shape (...).
+        noun: What the entries are, for the message.
 
     Raises:
         InputError: an entry is; names the least one.
     """
     array = np.asarray(array)
     if array.size and (least := array.min()) < 0.0:
-        raise InputError(f"`{name}` holds {least:g}; expected numbers of zero or more.")
+        raise InputError(f"`{name}` holds {least:g}; expected {noun} of zero or more.")
 
 
 def finite_array(name: str, value: Any, expected: str = "numbers") -> Floats:

@@ -7,9 +7,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ulna.algorithms.multibody.references import Reference, check_reference
-from ulna.checks.arrays import batched_array, check_core_shape, check_finite, known_limits, real_array
+from ulna.checks.arrays import (
+    batched_array,
+    check_core_shape,
+    check_finite,
+    check_not_negative,
+    known_limits,
+    real_array,
+)
 from ulna.checks.labels import in_order
-from ulna.errors import InputError
 from ulna.model import Model
 from ulna.numeric import vector, where
 from ulna.quantities.deferred_algorithms import algorithms
@@ -345,8 +351,7 @@ class Dynamics(Part):
         check_core_shape("effort", limit, (self.model.nv,))
         free = np.isinf(limit)  # a joint without a limit holds any load
         check_finite("effort", np.where(free, 0.0, limit))
-        if limit.min(initial=0.0) < 0.0:
-            raise InputError(f"`effort` holds {limit.min():g}; expected greatest torques of zero or more.")
+        check_not_negative("effort", limit, "greatest torques")
         kernel = self._kernel("payload_multiples", frame, reference)
         load_limit = kernel(q, load, np.where(free, np.finfo(float).max, limit))
         if type(load_limit) is np.ndarray and load_limit.dtype == object:  # inside of a trace

@@ -223,9 +223,8 @@ class _OneAtATime:
         self._sizes = kind.nv, kind.nq, kind.nv
         self._lock, self._q, self._v = forks.lock(forks.KERNEL), np.zeros(kind.nq), np.zeros(kind.nv)
         self._out = np.zeros(state_size(self._sizes))
-        tree = joint_tree.__wrapped__(
-            kind, ratio, offset
-        )  # of its own: calls from Python let go of the global lock
+        # Calls from Python release the global interpreter lock, so the shared table would be written by two threads.
+        tree = joint_tree.__wrapped__(kind, ratio, offset)
         self._runs = [
             joint_state.bind(tree, self._q, self._v, self._out, 0, 0, has_v, are_arrays_private=True)
             for has_v in (0, 1)
