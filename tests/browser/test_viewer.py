@@ -147,8 +147,18 @@ def test_a_newcomer_sees_looks_too(viewer: Viewer, chromium: Any) -> None:
         ball.remove()
 
 
-def test_controls_call_and_are_set(viewer: Viewer, tab: Tab) -> None:
+@pytest.fixture
+def shown(chromium: Any) -> Iterator[tuple[Viewer, Any]]:
+    """A viewer and its page for one attempt of a test: in a shared one the next attempt would find what this one left."""
+    with Viewer(port=0, browser=False) as viewer:
+        tab = Tab(chromium, f"{viewer.url}/?fixedDpr=1")
+        yield viewer, tab.page
+        tab.close()
+
+
+def test_controls_call_and_are_set(shown: tuple[Viewer, Any]) -> None:
     said: list[Any] = []
+    viewer, page = shown
     panel = viewer.panel
     slider = panel.slider("gain", 0.0, 1.0, 0.5, said.append, step=0.1)
     panel.button("press me", lambda: said.append("pressed"))
@@ -158,10 +168,10 @@ def test_controls_call_and_are_set(viewer: Viewer, tab: Tab) -> None:
     panel.number("mass", 2.5, said.append, unit="kg")
     assert menu.value == "fast"
     panel.buttons("many", tuple("abcdefgh"), said.append)
-    words = panel.text("some words")
     plot = panel.plot("speed", ("v",))
     plot.add(0.0, 1.0)
-    page = tab.page
+    words = panel.text("some words")
+    assert wait(lambda: page.get_by_text("some words").count() > 0)  # all of it is there before it is used
     page.get_by_role("button", name="press me").click()
     assert wait(lambda: "pressed" in said)
     page.get_by_label("right").check()
