@@ -41,6 +41,8 @@ _MOST_STARTS = 3
 """After so many pages of a file that did not start, its other tests fail at once: each would wait for `_LONGEST` again, three times."""
 _LONGEST = 100_000
 """How long an operation of the browser may take [ms]."""
+_OPTIMISE = os.environ.get("ULNA_OPTIMISE")
+_QUICKLY_COMPILED = ("tests/compat/",)
 _FEWER_FRAMES = """(() => {
   const draw = window.requestAnimationFrame.bind(window), waiting = new Map();
   let last = 0, number = 0, asked = false;
@@ -92,11 +94,25 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
                 item.add_marker(pytest.mark.flaky(reruns=2))
 
 
+@pytest.hookimpl(tryfirst=True)
 def pytest_runtest_setup(item: pytest.Item) -> None:
+    _choose_how_kernels_are_compiled(item)
     if item.session.stash.get(_FAILED_STARTS, Counter())[item.path] >= _MOST_STARTS:
         pytest.fail(
             f"{_MOST_STARTS} times a page of this file did not start; see the errors before", pytrace=False
         )
+
+
+def _choose_how_kernels_are_compiled(item: pytest.Item) -> None:
+    """Quickly where kernels are not what is tested, in this process and its children, unless the caller chose himself.
+
+    Laws, oracles, golden files and the compiler's tests have the kernels that users have, and so has every slow sweep.
+    """
+    if _OPTIMISE is not None:
+        return
+    os.environ.pop("ULNA_OPTIMISE", None)
+    if item.nodeid.startswith(_QUICKLY_COMPILED) and not item.get_closest_marker("slow"):
+        os.environ["ULNA_OPTIMISE"] = "0"
 
 
 @cache

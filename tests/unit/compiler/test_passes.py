@@ -69,3 +69,31 @@ def test_long_loops_and_long_code_get_fewer_passes(seen, function, passes):
     assert seen[-1] is passes
     np.testing.assert_allclose(found, expected, rtol=1e-12, atol=1e-12)
     np.testing.assert_allclose([kernel(row) for row in rows], expected, rtol=1e-12, atol=1e-12)
+
+
+@pytest.mark.parametrize(("function", "passes"), CASES)
+def test_compiled_quickly_the_numbers_are_the_same(seen, monkeypatch, function, passes):
+    rows = np.random.default_rng(7100).uniform(-1.0, 1.0, (20, 2))
+    usual = compile(function, x=(2,))
+    expected, single = usual(rows), [usual(row) for row in rows]
+    assert Passes.QUICK not in seen
+    seen.clear()
+    monkeypatch.setenv("ULNA_OPTIMISE", "0")
+    quick = compile(lambda x: function(x), x=(2,))
+    np.testing.assert_allclose(quick(rows), expected, rtol=1e-13, atol=1e-13)
+    np.testing.assert_allclose([quick(row) for row in rows], single, rtol=1e-13, atol=1e-13)
+    assert set(seen) == {Passes.QUICK}
+
+
+def test_both_ways_of_compiling_are_stored_side_by_side(seen, monkeypatch, tmp_path):
+    monkeypatch.setenv("ULNA_CACHE", str(tmp_path / "kernels"))
+    made = []
+    for level in ("0", "1", "0", "1"):
+        monkeypatch.setenv("ULNA_OPTIMISE", level)
+        compile(lambda x: np.exp(0.123 * x) * x, x=(2,))(np.ones((9, 2)))
+        made.append(list(seen))
+        seen.clear()
+    assert Passes.QUICK in made[0]
+    assert made[1]
+    assert Passes.QUICK not in made[1]
+    assert made[2:] == [[], []]

@@ -84,6 +84,7 @@ class Passes(Enum):
     INLINING = "functions are inlined where that is asked for"
     COMBINING = "the same, and instructions are combined"
     LEVEL_1 = "all of level 1, which optimises loops"
+    QUICK = "functions are inlined where that is asked for, and instructions are selected one by one"
 
 
 @dataclass(frozen=True)
@@ -132,6 +133,8 @@ _machine_of_level = cache(_new_machine)
 
 def _machine(ir: str, passes: Passes) -> Any:
     """LLVM's target machine for a module: with less effort where that is not missed."""
+    if passes is Passes.QUICK:
+        return _machine_of_level(0)
     return _machine_of_level(1 if passes is not Passes.LEVEL_1 and len(ir) > _SCHEDULED_TWICE else 2)
 
 
@@ -146,7 +149,7 @@ def load(f: Function, ir: str, names: tuple[str, ...]) -> Code:
     Returns:
         The loaded code; it must live as long as it is called.
     """
-    return _load(_key(ir), lambda: ir, names, _passes_of(f, ir), partial(_announced, f, names[0]))
+    return _load(ir, lambda: ir, names, _passes_of(f, ir), partial(_announced, f, names[0]))
 
 
 def load_text(ir: str, names: tuple[str, ...], has_loops: bool = True) -> Code:
@@ -161,13 +164,13 @@ def load_text(ir: str, names: tuple[str, ...], has_loops: bool = True) -> Code:
         The loaded code; it must live as long as it is called.
     """
     return _load(
-        _key(ir), lambda: ir, names, passes_for(ir, has_loops), lambda size: contextlib.nullcontext()
+        ir, lambda: ir, names, _wanted(passes_for(ir, has_loops)), lambda size: contextlib.nullcontext()
     )
 
 
 def is_stored(ir: str) -> bool:
     """Whether the code of a text is in the cache."""
-    return _cached_object(_key(ir)) is not None
+    return _cached_object(_key(ir, _wanted(Passes.LEVEL_1))) is not None
 
 
 def load_known(digest: str, text: Callable[[], str], names: tuple[str, ...], title: str) -> Code:
@@ -182,17 +185,18 @@ def load_known(digest: str, text: Callable[[], str], names: tuple[str, ...], tit
     Returns:
         The loaded code; it must live as long as it is called.
     """
-    return _load(_key(digest), text, names, Passes.LEVEL_1, partial(_announced_text, title))
+    return _load(digest, text, names, _wanted(Passes.LEVEL_1), partial(_announced_text, title))
 
 
 def _load(
-    key: str,
+    digest: str,
     text: Callable[[], str],
     names: tuple[str, ...],
     passes: Passes,
     announced: Callable[[int], Any],
 ) -> Code:
     start = time.perf_counter()
+    key = _key(digest, passes)
     content = _cached_object(key)
     is_new = content is None
     if content is None:
@@ -201,7 +205,7 @@ def _load(
             len(ir)
         ):  # in this thread and without the lock: watchers may do anything, forks included
             content = interruptible(partial(_object, key, ir, passes))
-    rare = {name: _rare_function(name, text) for name in rare_functions_of(content)}
+    rare = {name: _rare_function(name, text, passes) for name in rare_functions_of(content)}
     seconds = time.perf_counter() - start if is_new else 0.0
     with _lock:
         code = _linked(content, names, seconds, rare)
@@ -212,33 +216,36 @@ def _load(
     return code
 
 
-def _key(ir: str) -> str:
+def _key(ir: str, passes: Passes) -> str:
     """The name of the entry in the cache that `ir` becomes on this machine."""
     t = target()
-    return disk_cache.key(ir, t.triple, t.cpu, t.features, t.llvm, _RECIPE)
+    recipe = f"{_RECIPE}, quick" if passes is Passes.QUICK else _RECIPE
+    return disk_cache.key(ir, t.triple, t.cpu, t.features, t.llvm, recipe)
 
 
 _rare_functions: dict[str, Code] = {}
 """What kernels share, for as long as the process runs."""
 
 
-def _rare_function(name: str, text: Callable[[], str]) -> int:
+def _rare_function(name: str, text: Callable[[], str], passes: Passes) -> int:
     """The address of a function that kernels share.
 
     Args:
         name: Its name.
         text: Makes the text of a module that defines it, as it was before that was taken apart.
+        passes: What is done with that module.
 
     Returns:
         The address.
     """
     code = _rare_functions.get(name)
     if code is None:
-        key = _key(name)  # which has the hash of the text
+        key = _key(name, passes)  # which has the hash of the text
         content = _cached_object(key)
         if content is None:
             module = with_rare_functions_apart(text())[1][name]
-            content = interruptible(partial(_object, key, module, passes_for(module, has_loops=False)))
+            chosen = passes if passes is Passes.QUICK else passes_for(module, has_loops=False)
+            content = interruptible(partial(_object, key, module, chosen))
         with _lock:
             code = _rare_functions.setdefault(name, _linked(content, (name,), 0.0, {}))
     return code.address(name)
@@ -324,12 +331,17 @@ def passes_for(ir: str, has_loops: bool) -> Passes:
     return Passes.COMBINING if len(ir) <= _COMBINED else Passes.INLINING
 
 
+def _wanted(passes: Passes) -> Passes:
+    """What LLVM is to do where the environment says that compiling is to be quick, else `passes`."""
+    return Passes.QUICK if os.environ.get("ULNA_OPTIMISE") == "0" else passes
+
+
 def _passes_of(f: Function, ir: str) -> Passes:
     """What LLVM is to do with the text of a function; of second forms the graph, and its loops, are not known yet."""
     has_loops = getattr(f, "untraced_operations", None) is None and f.has_loops
     if has_loops and _SHORT_LOOPS < len(ir) <= _LONG_LOOPS:
-        return Passes.COMBINING
-    return passes_for(ir, has_loops and len(ir) <= _LONG_LOOPS)
+        return _wanted(Passes.COMBINING)
+    return _wanted(passes_for(ir, has_loops and len(ir) <= _LONG_LOOPS))
 
 
 def _announced(f: Function, what: str, size: int) -> Any:
@@ -493,7 +505,7 @@ def examined(f: Function, ir: str) -> Examined:
     start = time.perf_counter()
     text = interruptible(lambda: assembly(f, ir))
     seconds = time.perf_counter() - start
-    content = _cached_object(_key(ir))
+    content = _cached_object(_key(ir, _passes_of(f, ir)))
     state = "off" if disk_cache.folder() is None else "not stored" if content is None else "stored"
     with _lock:
         if content is None:
