@@ -15,9 +15,10 @@ WORD = 8
 HEAD = object.__basicsize__
 """The size of what every object begins with [byte]: 16, 32 in free-threaded builds; its type is the last word of it."""
 TYPE = HEAD - WORD
-# PyArrayObject: data, number of axes, lengths, distances [byte], descriptor, flags, weak references.
-DATA, NDIM, LENGTHS, STEPS, ARRAY_DESCRIPTOR, FLAGS, WEAK_REFERENCES = (
-    HEAD + offset for offset in (0, 8, 16, 24, 40, 48, 56)
+# PyArrayObject: data, number of axes, lengths, distances [byte], base, descriptor, flags, weak references, exported
+# buffers, memory handler.
+DATA, NDIM, LENGTHS, STEPS, BASE, ARRAY_DESCRIPTOR, FLAGS, WEAK_REFERENCES, BUFFER, MEMORY_HANDLER = (
+    HEAD + WORD * k for k in range(10)
 )
 ALIGNED, MAY_WRITE = 0x0100, 0x0400
 READABLE = 0x0001 | ALIGNED  # C-contiguous
@@ -171,3 +172,5 @@ ARRAY_NEW, SCALAR_NEW, UFUNC_FROM_SIGNATURE = 93, 60, 31
 """Numbers of PyArray_New, PyArray_Scalar and PyUFunc_FromFuncAndDataAndSignature."""
 NEW_FROM_DESCRIPTOR, SET_BASE = 94, 282
 """Numbers of PyArray_NewFromDescr and PyArray_SetBaseObject."""
+GET_HANDLER, DEFAULT_HANDLER = 305, 306
+"""Numbers of PyDataMem_GetHandler and PyDataMem_DefaultHandler."""
