@@ -36,6 +36,9 @@ def jerk_limited(
 ) -> Polynomial:
     """From one state to another as fast as limits of speed, acceleration and jerk allow, all joints arriving together.
 
+    A start that is faster than the limits, or accelerates so that it will be, is first brought within them at the limit of
+    jerk; until then the motion exceeds them.
+
     Args:
         q0: Position at the start, (n,) [rad or m].
         v0: Velocity there, one or (n,) [rad/s or m/s]; None for rest.
