@@ -36,8 +36,8 @@ def jerk_limited(
 ) -> Polynomial:
     """From one state to another as fast as limits of speed, acceleration and jerk allow, all joints arriving together.
 
-    A start that is faster than the limits, or accelerates so that it will be, is first brought within them at the limit of
-    jerk; until then the motion exceeds them.
+    A start that is faster than the limits, or accelerates so that it will be, is first brought within them at the limit
+    of jerk; until then the motion exceeds them.
 
     Args:
         q0: Position at the start, (n,) [rad or m].

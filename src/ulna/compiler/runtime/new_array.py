@@ -56,6 +56,8 @@ _HANDLER_VERSION, _HANDLER_CONTEXT = 127, 128
 """Of a memory handler (NEP 49): its version, behind its name, and context, malloc, calloc, realloc and free [byte]."""
 _TP_ALLOC, _TP_FREE = 47, 74
 """Numbers of slots of types in CPython's stable interface."""
+_FIRST_VERSION, _LAST_VERSION = (2, 0), (2, 4)
+"""NumPy's, by whose sources and behaviour this was checked: with which allocator it frees lengths can not be read."""
 _MOST_AXES = 7
 """NumPy keeps blocks of up to 15 lengths and steps for other arrays; longer ones are not worth it."""
 
@@ -196,7 +198,10 @@ general:
 
 def works() -> bool:
     """Whether arrays are made of what `new_array` makes them of; reads only."""
-    if not fast_call_works() or not has_gil() or np.lib.NumpyVersion(np.__version__).major != 2:
+    version = np.lib.NumpyVersion(np.__version__)
+    if not _FIRST_VERSION <= (version.major, version.minor) <= _LAST_VERSION:
+        return False
+    if not fast_call_works() or not has_gil():
         return False
     if np.ndarray.__basicsize__ != MEMORY_HANDLER + WORD or not _is_made_plainly(np.ndarray):
         return False
