@@ -67,6 +67,29 @@ ALGORITHMS = {
     "computeTotalMass": "pin.computeTotalMass(m)",
     "computeSubtreeMasses": "pin.computeSubtreeMasses(m, d)",
 }
+WITHOUT_Q = {
+    "computeMinverse": "pin.computeMinverse(m, after_aba)",
+    "computeABADerivatives": "pin.computeABADerivatives(m, after_aba)",
+    "computeABADerivatives with forces": "pin.computeABADerivatives(m, after_aba, fext)",
+    "getCoriolisMatrix": "pin.getCoriolisMatrix(m, derived)",
+    "getCentroidalDynamicsDerivatives": "pin.getCentroidalDynamicsDerivatives(m, derived)",
+    "computeJointJacobians": "pin.computeJointJacobians(m, d)",
+    "computeKineticEnergy": "pin.computeKineticEnergy(m, d)",
+    "computePotentialEnergy": "pin.computePotentialEnergy(m, d)",
+    "centerOfMass": "pin.centerOfMass(m, d)",
+    "centerOfMass, POSITION": "pin.centerOfMass(m, d, pin.POSITION)",
+    "jacobianCenterOfMass": "pin.jacobianCenterOfMass(m, d)",
+    "computeCentroidalMomentum": "pin.computeCentroidalMomentum(m, d)",
+    "computeCentroidalMomentumTimeVariation": "pin.computeCentroidalMomentumTimeVariation(m, d)",
+    "getJointVelocityDerivatives": "pin.getJointVelocityDerivatives(m, moved, end, pin.LOCAL)",
+    "getFrameVelocityDerivatives": "pin.getFrameVelocityDerivatives(m, moved, last, pin.LOCAL)",
+    "getFrameAccelerationDerivatives": "pin.getFrameAccelerationDerivatives(m, moved, last, pin.LOCAL)",
+    "getPointVelocityDerivatives": "pin.getPointVelocityDerivatives(m, moved, end, M, pin.LOCAL)",
+    "getPointClassicAccelerationDerivatives": "pin.getPointClassicAccelerationDerivatives(m, moved, end, M, pin.LOCAL)",
+    "computeJointKinematicRegressor": "pin.computeJointKinematicRegressor(m, d, end, pin.LOCAL)",
+    "computeFrameKinematicRegressor": "pin.computeFrameKinematicRegressor(m, d, last, pin.LOCAL)",
+}
+"""Calls on what earlier ones left in a Data."""
 CONFIGURATIONS = {
     "neutral": "pin.neutral(m)",
     "integrate": "pin.integrate(m, q, v)",
@@ -260,6 +283,7 @@ SOLVERS = {
 }
 GROUPS = {
     "algorithms": ALGORITHMS,
+    "without q": WITHOUT_Q,
     "configurations": CONFIGURATIONS,
     "models": MODELS,
     "getters": GETTERS,
@@ -290,6 +314,7 @@ def prepared(group: str, source: str, root: str, feet: str) -> Callable[[], dict
     names = _state_of(pin, m) | {"urdf": source, "roots": roots}
     more: dict[str, Callable[[], dict[str, Any]]] = {
         "algorithms": lambda: _algorithm_inputs(pin, names),
+        "without q": lambda: _filled_data(pin, names),
         "configurations": lambda: _configuration_inputs(pin, names),
         "models": lambda: _model_inputs(pin, names),
         "getters": lambda: _algorithm_inputs(pin, names),
@@ -403,6 +428,17 @@ def _algorithm_inputs(pin: Any, names: dict[str, Any]) -> dict[str, Any]:
     pin.crba(m, d, q)
     pin.centerOfMass(m, d, q)
     return {"fext": forces, "frame_name": m.frames[m.nframes - 1].name, "joint_name": m.names[m.njoints - 1]}
+
+
+def _filled_data(pin: Any, names: dict[str, Any]) -> dict[str, Any]:
+    """Data that algorithms filled."""
+    m, q, v, a = (names[x] for x in ("m", "q", "v", "a"))
+    more = _algorithm_inputs(pin, names)
+    after_aba, derived, moved = (m.createData() for _ in range(3))
+    pin.aba(m, after_aba, q, v, names["tau"], more["fext"], pin.Convention.WORLD)
+    pin.computeRNEADerivatives(m, derived, q, v, a)
+    pin.computeForwardKinematicsDerivatives(m, moved, q, v, a)
+    return more | {"after_aba": after_aba, "derived": derived, "moved": moved}
 
 
 def _configuration_inputs(pin: Any, names: dict[str, Any]) -> dict[str, Any]:

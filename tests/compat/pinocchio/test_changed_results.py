@@ -284,6 +284,82 @@ def test_derivatives_are_of_the_fields_that_are_there(rounds: int) -> None:
         np.testing.assert_allclose(mine, theirs, rtol=1e-8, atol=1e-8)
 
 
+_FORWARD = """
+import json, numpy as np, pinocchio as pin
+found = []
+world = pin.Convention.WORLD
+DEFINITIONS
+for model in (pin.buildSampleModelManipulator(), pin.buildSampleModelHumanoid()):
+    model.armature = np.linspace(0.1, 0.5, model.nv)
+    q = pin.integrate(model, pin.neutral(model), np.linspace(-0.5, 0.8, model.nv))
+    v, tau = np.linspace(-1.0, 1.0, model.nv), np.linspace(0.5, -0.7, model.nv)
+    forces = pin.StdVec_Force()
+    forces.extend([pin.Force(np.arange(6.0) + k) for k in range(model.njoints)])
+    for first, call, fields in CASES:
+        data = model.createData()
+        for turn in range(ROUNDS):
+            for name in ("", *fields.split()):
+                exec(first)
+                if name:
+                    add(data, name)
+                result = eval(call)
+                found += [x.tolist() for x in (result if isinstance(result, tuple) else (result,))]
+                if "ABA" in call:
+                    found += [getattr(data, x).tolist() for x in "dtau_dq dtau_dv dJ dAdq dAdv dFdq dFdv dFda".split()]
+                    found.append([force.vector.tolist() for force in list(data.of)[1:]])
+                found.append(data.J.tolist())
+print(json.dumps(found))
+"""
+_ADD = _DERIVATIVES[_DERIVATIVES.index("def add") : _DERIVATIVES.index("CASES")]
+_AFTER_ABA = """CASES = (
+    ("pin.aba(model, data, q, v, tau, world)", "pin.computeMinverse(model, data)", "J oMi"),
+    ("pin.aba(model, data, q, v, tau, world)", "pin.computeABADerivatives(model, data)", "J ov oa_gf oh oMi v ddq"),
+    ("pin.aba(model, data, q, v, tau, forces, world)", "pin.computeABADerivatives(model, data, forces)",
+     "J ov oa_gf oh"),
+)
+"""
+
+
+@pytest.mark.parametrize("rounds", [1, 3])
+def test_forward_dynamics_are_of_the_columns_and_motions_that_are_there(rounds: int) -> None:
+    """What Pinocchio does not read, `oMi`, `v` and `ddq`, does not count here either."""
+    lines = _FORWARD.replace("DEFINITIONS", _ADD + _AFTER_ABA).replace("ROUNDS", str(rounds))
+    own, wanted = map(json.loads, printed(lines))
+    assert len(own) == len(wanted) == 2 * (3 * 2 + (8 + 5) * 13) * rounds
+    for mine, theirs in zip(own, wanted, strict=True):
+        scale = np.abs(theirs).max()
+        np.testing.assert_allclose(mine, theirs, rtol=1e-8, atol=1e-9 * max(1.0, scale))
+
+
+_OTHERS = """
+import json, numpy as np, pinocchio as pin
+model = pin.buildSampleModelHumanoid()
+q = pin.integrate(model, pin.neutral(model), np.linspace(-0.5, 0.8, model.nv))
+p = pin.integrate(model, q, np.linspace(0.1, -0.3, model.nv))
+v, tau = np.linspace(-1.0, 1.0, model.nv), np.linspace(0.5, -0.7, model.nv)
+data, found = model.createData(), []
+for turn in range(4):
+    for convention in (pin.Convention.LOCAL, pin.Convention.WORLD):
+        for other in ("pin.forwardKinematics(model, data, p, v, v)", "pin.rnea(model, data, p, tau, v)", "0",
+                      "pin.computeJointJacobians(model, data, p)", "pin.computeCoriolisMatrix(model, data, p, tau)",
+                      "pin.computeCentroidalDynamicsDerivatives(model, data, q, v, data.ddq.copy())",
+                      "pin.computeStaticTorque(model, data, q, [pin.Force.Zero()] * model.njoints)"):
+            pin.aba(model, data, q, v, tau, convention)
+            eval(other)
+            [*data.ov], [*data.oh], [*data.oa_gf], data.J
+            found.append([x.tolist() for x in (pin.computeMinverse(model, data), *pin.computeABADerivatives(model, data))])
+print(json.dumps(found))
+"""
+
+
+def test_fields_that_other_calls_left_are_no_inputs_of_forward_dynamics() -> None:
+    own = json.loads(printed(_OTHERS)[0])
+    assert len(own) == 4 * 2 * 7
+    for mine in own:
+        for one, first in zip(mine, own[0], strict=True):
+            np.testing.assert_allclose(one, first, rtol=1e-8, atol=1e-8)
+
+
 _FOLLOWING = """
 import json, numpy as np, pinocchio as pin
 model = pin.buildSampleModelHumanoid()

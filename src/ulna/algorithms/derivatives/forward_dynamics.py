@@ -43,12 +43,33 @@ def forward_dynamics_derivatives(
         The derivatives with respect to q, v and tau, each of shape (..., nv, nv); the last is the inverse mass matrix.
     """
     a = by_mass_matrix(model, q, v, tau, external)
+    a_q, a_v, a_tau, *_ = derivatives_at_acceleration(model, q, v, a, external)
+    return a_q, a_v, a_tau
+
+
+def derivatives_at_acceleration(
+    model: Model, q: Array, v: Array, a: Array, external: External = None
+) -> tuple[Array, ...]:
+    """The same where the accelerations are known and the torques are not.
+
+    Args:
+        model: The robot; every motion must move some mass or have armature.
+        q: Configuration, shape (..., nq) [rad, m].
+        v: Velocity, shape (..., nv) [rad/s, m/s].
+        a: Acceleration, shape (..., nv) [rad/s^2, m/s^2].
+        external: As for `inverse_dynamics_derivatives`.
+
+    Returns:
+        The derivatives of the accelerations with respect to q, v and tau, and those of inverse dynamics with respect to
+        q and v, each of shape (..., nv, nv).
+    """
     tau_q, tau_v, M = inverse_dynamics_derivatives(model, q, v, a, external)
     factors = Factors(M)
     a_q, a_v = (
-        _negative(factors, by, batch_zeros(by.shape[-2:], q, v, tau, external)) for by in (tau_q, tau_v)
+        _negative(factors, by, batch_zeros(by.shape[-2:], q, v, a, external)) for by in (tau_q, tau_v)
     )
-    return a_q, a_v, factors.inverse() + batch_zeros((model.nv, model.nv), q, v, tau, external)
+    inverse = factors.inverse() + batch_zeros((model.nv, model.nv), q, v, a, external)
+    return a_q, a_v, inverse, tau_q, tau_v
 
 
 def columns_of_derivatives(

@@ -89,6 +89,7 @@ class _CheckedCall:
         input_slots: tuple[tuple[type | None, str], ...],
     ) -> None:
         self._holder, self._slot, self._input_slots = bound.holder, slot, input_slots
+        self._answer = bound.answer
         self.array_call, self.returns = array_call, bound.returned
         self.targets, self.trailing_inputs = tuple(bound.targets), tuple(bound.trailing_inputs)
 
@@ -115,7 +116,7 @@ class _CheckedCall:
     def answer(self, results: tuple[Array, ...]) -> Any:
         """What a call with these results (...) returns."""
         copies = tuple(results[k].copy() if results[k].ndim else results[k][()] for k in self.returns)
-        result = copies[0] if len(copies) == 1 else copies or None
+        result = copies[0] if len(copies) == 1 else copies or self._answer
         if self._holder is None:
             return result
         if self._holder is float or self._holder is bool:
@@ -273,7 +274,7 @@ def _checked(array_call: ArrayCall, bound: Binding, otherwise: Any) -> Binding:
     if bound.condition is not None:
         _check_condition(bound.condition, outputs, otherwise)
     holders = tuple(bound.input_holders)
-    return Binding(outputs, pairs, returned, inputs, bound.holder, holders, bound.condition)
+    return Binding(outputs, pairs, returned, inputs, bound.holder, holders, bound.condition, bound.answer)
 
 
 def _check_condition(condition: int, targets: tuple[Array, ...], otherwise: Any) -> None:

@@ -160,6 +160,7 @@ class Binding(NamedTuple):
         input_holders: For each input that calls pass, from the first on, a class of which an instance is passed in
             place of the array that it holds, or None.
         condition: The output, one float64, that must be above zero, or None.
+        answer: What calls return where no output is returned.
     """
 
     targets: Sequence[AnyArray] = ()
@@ -169,6 +170,7 @@ class Binding(NamedTuple):
     holder: type | None = None
     input_holders: Sequence[type | None] = ()
     condition: int | None = None
+    answer: Any = None
 
 
 _UNBOUND = Binding()
@@ -186,7 +188,7 @@ class Plan:
     """
 
     def __init__(self, f: Function, element: DType, work: int, bound: Binding = _UNBOUND) -> None:
-        targets, watched, returned, trailing_inputs, holder, _, condition = bound
+        targets, watched, returned, trailing_inputs, holder, _, condition, answer = bound
         self._references: list[Any] = [*bound]
         accepts_float, first = element == "double", len(f.inputs)
         dtype = object_layout.NUMPY_TYPE[element]
@@ -220,6 +222,7 @@ class Plan:
             "condition": 0 if condition is None else 1 + first + condition,
             "pool": self._pool() if holder not in (None, float, bool) else 0,
             **_common_words(),
+            "none": id(answer),
         }
         self.address = self._table([[(words | guard).get(field, 0) for field in FIELDS]])
 

@@ -196,6 +196,7 @@ class KernelBase:
         holder: type | None = None,
         input_holders: Sequence[type | None] = (),
         condition: int | None = None,
+        answer: Any = None,
     ) -> Any:
         """A callable of the inputs that writes the outputs into arrays chosen once: where nanoseconds count.
 
@@ -224,6 +225,8 @@ class KernelBase:
                 exactly that class are passed then, in place of the arrays that they hold.
             condition: The index of an output, one float64. Where it is not above zero, `otherwise` is called after the
                 kernel, and its result returned: for what has no solution.
+            answer: What calls return, in place of None, where `returns` names no output: an object that holds a target,
+                say.
 
         Returns:
             A `Bound` kernel. It is called with positional arguments, and cannot be pickled: what it is bound to would
@@ -238,7 +241,7 @@ class KernelBase:
                 calls.
         """
         inputs = _trailing_inputs(trailing_inputs=trailing_inputs, last_inputs=last_inputs, given=given)
-        bound = gufunc.Binding(targets, watch, returns, inputs, holder, input_holders, condition)
+        bound = gufunc.Binding(targets, watch, returns, inputs, holder, input_holders, condition, answer)
         work = self._array_call.single_code().address("work") if self.is_fast else None
         return bound_call.bind(self, self._array_call, work, bound, otherwise)
 

@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 
 from pinocchio._algorithms.jacobians import JACOBIANS, columns
-from pinocchio._algorithms.of_fields import OfFields
 from pinocchio._algorithms.stored_sums import (
     CENTER_COLUMNS,
     MOMENTUM,
@@ -124,7 +123,11 @@ _ACCELERATION = Algorithm(
 )
 
 
-@fast_path(_POSITION, _VELOCITY, _ACCELERATION)
+_center_calls, _center_calls_by_level = call_cache(2, weak=2), call_cache(3, weak=2)
+
+
+@repeated_calls(_center_calls_by_level)
+@fast_path(_POSITION, _VELOCITY, _ACCELERATION, calls=_center_calls)
 @overloads(
     "model data kinematic_level:KinematicLevel compute_subtree_coms:bool?",
     "model data compute_subtree_coms:bool?",
@@ -154,27 +157,25 @@ def centerOfMass(
         Position (3,) [m].
     """
     if q is None:
-        return _with_masses(model, data, FIELD_CENTERS[_known_level(data, kinematic_level)])[0].copy()
+        return _of_stored_motions(model, data, kinematic_level)
     state = [x for x in (q, v, a) if x is not None]
     return run(model, data, (_POSITION, _VELOCITY, _ACCELERATION)[len(state) - 1], *state)
 
 
-def _known_level(data: Data, level: Any) -> int:
-    """Up to which derivative a Data knows motions, which is at least up to a KinematicLevel."""
-    q = data._require(data._q, "forwardKinematics(model, data, q)")
-    known = 0
-    for state in (data._qv, data._qva):
-        known += state is not None and np.array_equal(state[0], q)
-    if isinstance(level, KinematicLevel) and known < level:
-        data._require(None, "forwardKinematics(model, data, q, v, a)")
-    return known
-
-
-def _with_masses(model: Model, data: Data, sums: OfFields) -> Any:
-    """Runs an algorithm whose inputs are fields of the Data, and fills the masses of subtrees, too."""
-    result = sums.run(model, data)
-    computeSubtreeMasses(model, data)
-    return result
+def _of_stored_motions(model: Model, data: Data, kinematic_level: Any) -> Floats:
+    """The centre of mass out of fields of the Data, where motions are known up to a KinematicLevel that is given."""
+    data._require(data._q, "forwardKinematics(model, data, q)")
+    level = int(kinematic_level) if isinstance(kinematic_level, KinematicLevel) else 0
+    states = [data._qv, data._qva]
+    is_known = all(state is not None for state in states[:level])
+    center = FIELD_CENTERS[level].run(model, data, _center_calls) if is_known else NotImplemented
+    if center is NotImplemented:
+        return data._require(None, "forwardKinematics(model, data, q, v, a)")
+    data._known_states |= {"centers", "center_velocities"}
+    if isinstance(kinematic_level, KinematicLevel):
+        step = FIELD_CENTERS[level].step(model, data)
+        _center_calls_by_level.add(step, 0, model, data, kinematic_level)
+    return center
 
 
 @algorithm(
@@ -471,7 +472,7 @@ def computeCentroidalMapTimeVariation(model: Model, data: Data, q: Any, v: Any) 
     deferred=_WITH_VELOCITY | SUBTREE_MOMENTA,
     depends_on="masses",
     default_state=("_qv", "forwardKinematics(model, data, q, v)"),
-    of_fields=lambda model, data, _: _with_masses(model, data, MOMENTUM),
+    of_fields=MOMENTUM.run,
     returns_field="hg",
 )
 def computeCentroidalMomentum(model: Model, data: Data, q: Any = None, v: Any = None) -> Force:
@@ -492,7 +493,7 @@ def computeCentroidalMomentum(model: Model, data: Data, q: Any = None, v: Any = 
     deferred=_WITH_VELOCITY | ACCELERATIONS_IN_WORLD | SUBTREE_MOMENTA_AND_RATES,
     depends_on="masses",
     default_state=("_qva", "forwardKinematics(model, data, q, v, a)"),
-    of_fields=lambda model, data, _: _with_masses(model, data, MOMENTUM_RATE),
+    of_fields=MOMENTUM_RATE.run,
     returns_field="dhg",
 )
 def computeCentroidalMomentumTimeVariation(

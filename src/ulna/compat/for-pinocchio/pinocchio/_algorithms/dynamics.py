@@ -9,6 +9,7 @@ import numpy as np
 
 from pinocchio._algorithms.jacobians import JACOBIAN_RATES, JACOBIANS, columns, computeJointJacobians, rates
 from pinocchio._algorithms.stored_derivatives import CORIOLIS
+from pinocchio._algorithms.stored_dynamics import inverse_of_fields
 from pinocchio._containers.arguments import check_model_and_data, checks_itself
 from pinocchio._containers.arrays import not_applicable
 from pinocchio._containers.enums import Convention
@@ -283,13 +284,14 @@ def crba(model: Model, data: Data, q: Any, convention: Convention = Convention.L
     invalidates=("Fcrb",),
     states=("articulated",),
     default_state=("_q_of_articulated", "aba(model, data, q, v, tau)"),
+    of_fields=inverse_of_fields,
 )
 def computeMinverse(model: Model, data: Data, q: Any = None) -> Floats:
     """The inverse of the mass matrix (nv, nv); kept in `data.Minv`.
 
     Args:
         q: Configuration (nq,) [rad or m]; None for that of the last aba, of derivatives of it, or of this function,
-            whatever ran since.
+            whatever ran since, with `data.J` as it is where it is of that configuration.
 
     Returns:
         Matrix (nv, nv).

@@ -16,6 +16,7 @@ from pinocchio._algorithms.jacobians import (
     rates,
 )
 from pinocchio._algorithms.stored_derivatives import CENTROIDAL
+from pinocchio._algorithms.stored_dynamics import derivative_calls, derivatives_of_fields
 from pinocchio._containers.arrays import not_applicable, vector
 from pinocchio._containers.keywords import overloads
 from pinocchio._data.algorithm import Algorithm
@@ -162,7 +163,7 @@ def computeRNEADerivatives(
     ...
 
 
-@fast_path(_ABA_ALONE, forces=_ABA_UNDER_FORCES)
+@fast_path(_ABA_ALONE, forces=_ABA_UNDER_FORCES, calls=derivative_calls)
 @overloads("model data fext:list?", "model data q v tau fext?")
 def computeABADerivatives(
     model: Model, data: Data, q: Any = None, v: Any = None, tau: Any = None, fext: Any = None
@@ -180,6 +181,9 @@ def computeABADerivatives(
     """
     if q is None:
         stored = data._require(data._state_of_forward_dynamics, "aba(model, data, q, v, tau)")
+        derivatives = derivatives_of_fields(model, data, fext)
+        if derivatives is not NotImplemented:
+            return derivatives
         q, v, ddq = (x.copy() for x in stored)
         tau = rnea(model, data, q, v, ddq) if fext is None else rnea(model, data, q, v, ddq, fext)
     if fext is None:

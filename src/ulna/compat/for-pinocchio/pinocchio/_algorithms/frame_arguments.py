@@ -171,6 +171,33 @@ def repeated_call(kind: str, has_default: bool = True) -> Callable[[Function], F
     return decorate
 
 
+def repeated_call_at_placement(kind: str) -> Callable[[Function], Function]:
+    """The same for functions of (model, data, joint, placement, reference frame).
+
+    Args:
+        kind: The third of the key in `data._bound_at`, after the index and the reference frame.
+
+    Returns:
+        The decorator.
+    """
+
+    def decorate(function: Any) -> Any:
+        general, calls = checked(function), call_cache(4, weak=2, kernel_argument=3)
+
+        @functools.wraps(function)
+        def called(model: Any, data: Any, joint_id: Any, placement: Any, reference_frame: Any) -> Any:
+            rest = joint_id, reference_frame, placement
+            result = _call_bound(calls, kind, None, model, data, *rest)
+            if result is not NotImplemented:
+                return result
+            return general(model, data, joint_id, placement, reference_frame)
+
+        called.arguments_checked = True  # type: ignore[attr-defined]
+        return repeated_calls(calls)(called)
+
+    return decorate
+
+
 def _at_index(function: Any, kind: str, default: Any) -> Any:
     general, calls = checked(function), call_cache(4, weak=2)
 

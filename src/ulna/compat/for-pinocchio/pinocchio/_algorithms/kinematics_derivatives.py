@@ -13,6 +13,7 @@ from pinocchio._algorithms.frame_arguments import (
     at_placement,
     place_of,
     repeated_call,
+    repeated_call_at_placement,
 )
 from pinocchio._algorithms.jacobians import computeJointJacobiansTimeVariation
 from pinocchio._algorithms.kinematics import forwardKinematics
@@ -235,6 +236,7 @@ def _sizes(model: Model) -> dict[str, Any]:
     return {"q": (model.nq,), "v": (model.nv,), "a": (model.nv,)}
 
 
+@repeated_call_at_placement("point velocity derivatives")
 def getPointVelocityDerivatives(
     model: Model, data: Data, joint_id: int, placement: Any, reference_frame: ReferenceFrame
 ) -> tuple[Floats, Floats]:
@@ -248,9 +250,10 @@ def getPointVelocityDerivatives(
     Returns:
         Two matrices (3, nv).
     """
-    return _point(model, data, joint_id, placement, reference_frame)[:2]
+    return _point(model, data, joint_id, placement, reference_frame, False)
 
 
+@repeated_call_at_placement("point acceleration derivatives")
 def getPointClassicAccelerationDerivatives(
     model: Model, data: Data, joint_id: int, placement: Any, reference_frame: ReferenceFrame
 ) -> tuple[Floats, Floats, Floats, Floats]:
@@ -264,17 +267,16 @@ def getPointClassicAccelerationDerivatives(
     Returns:
         Four matrices (3, nv).
     """
-    u_q, _, *rest = _point(model, data, joint_id, placement, reference_frame)
-    return (u_q, *rest)
+    return _point(model, data, joint_id, placement, reference_frame, True)
 
 
-def _point(model: Model, data: Data, joint_id: int, placement: Any, rf: Any) -> Any:
+def _point(model: Model, data: Data, joint_id: int, placement: Any, rf: Any, with_a: bool) -> Any:
     place = Place(None, *at_placement(model, joint_id, placement))
     state = data._require(data._qva, "computeForwardKinematicsDerivatives(model, data, q, v, a)")
     reference: Any = reference_of(rf)
     compiled_for(model, data)
     if reference_of(rf) != "world" and _fields_are_of_one_state(model, data):
-        return _stored_point(model, data, place, reference)
+        return _stored_point(model, data, place, rf, with_a)
 
     def build(core: CoreModel, frames: Sequence[Frame]) -> Any:
         def run(*inputs: Array) -> Any:
@@ -285,23 +287,36 @@ def _point(model: Model, data: Data, joint_id: int, placement: Any, rf: Any) -> 
 
     kernels, shapes = kernels_for(model, data, "point derivatives"), place.shapes | _sizes(model)
     kernel = kernels.compile_at_frames(("point", place.key, reference), build, **shapes)
-    return kernel(*place.inputs, *state)
+    u_q, u_v, *rest = kernel(*place.inputs, *state)
+    return (u_q, *rest) if with_a else (u_q, u_v)
 
 
-def _stored_point(model: Model, data: Data, place: Place, reference: Reference) -> Any:
-    """Derivatives of how a point moves, out of what the Data holds."""
+def _stored_point(model: Model, data: Data, place: Place, rf: Any, with_a: bool) -> Any:
+    """Derivatives of how a point moves, out of what the Data holds; bound for the next time."""
     joint, placement = place.on_joint(model)
-    carrier = carrier_of(model, joint, True, reference)
-    for field in ("ov", "oa"):
+    carrier = carrier_of(model, joint, True, reference_of(rf))
+    fields = ("ov", "oa") if with_a else ("ov",)
+    for field in fields:
         data._read(field)
-    arrays, function = data._arrays, point_derivatives(carrier)
-    names = ("J", "ov", "dJ", "oa")
+    arrays, function = data._arrays, point_derivatives(carrier, with_a)
+    names = ("J", "ov", "dJ", "oa") if with_a else ("J", "ov")
     read = [*placement_of(placement), arrays["oMi"][joint], *(arrays[name] for name in names)]
     if model.first_calls.includes("point derivatives", NUMBER_CALLS):
         return function(*read)
-    sizes: dict[str, Any] = {name: x.shape for name, x in zip(("M", "oMi", *names), read, strict=True)}
-    key = "point derivatives of fields", carrier
-    return model._compiled_structure().compile(key, lambda _: function, **sizes)(*read)
+    step = bound_to_fields(
+        model,
+        data,
+        ("point derivatives of fields", carrier, with_a),
+        function,
+        read,
+        fields,
+        watch=[*model._watched("structure"), *_equal_states(data)],
+        passes_placement=True,
+    )
+    if data._model is model:
+        kind = "point acceleration derivatives" if with_a else "point velocity derivatives"
+        data._bound_at[place.joint, rf, kind] = step, rf
+    return step(*place.holders)
 
 
 _center_calls = call_cache(2, weak=2)

@@ -13,6 +13,7 @@ from pinocchio._data.algorithm import ALGORITHMS, STATES, Algorithm
 from pinocchio._data.data import Data
 from pinocchio._data.evaluated_model import NUMBER_CALLS, EvaluatedModel
 from pinocchio._data.states import compiled_for
+from pinocchio._model.bound_kernels import not_read
 from pinocchio._model.kernel_cache import Dependence
 from pinocchio._model.model import Model
 from ulna.compiler.runtime.repeated_calls import CallCache
@@ -32,10 +33,12 @@ class OfFields:
     Attributes:
         name: Its name, under which it is bound.
         reads: The fields that it reads, and of states such as "velocities v" the arrays.
-        fills: The arrays of the Data that it fills; "" for a result that lies in no field.
+        fills: The arrays of the Data that it fills, "of[1:]" for the rows of the joints, "of[0]" for that of the
+            universe, "mark of vcom" for the mark of a field; "" for a result that lies in no field.
         build: Makes, of a model of Ulna whose joints count and not its numbers, the function of these fields, of those
             in `if_read` that were read before, of the inertias (n, 13), gravity (3,) and the armature (nv,). Where
-            there are fields in `if_read`, the names of those are its second argument.
+            there are fields in `if_read`, the names of those are its second argument. Where `of_numbers` is set, it
+            makes of the model with its numbers the function of a dictionary of inputs.
         returns: The index of what a call returns a copy of, or the indices.
         if_read: Fields that are computed when they are read; those that were read, and may have been written to, are
             inputs, too; `mass` where it was written to.
@@ -47,6 +50,11 @@ class OfFields:
         state: The state that these fields are of then, such as "derivatives".
         depends_on: What of the model it depends on besides its inputs; see `KernelCache._watched`.
         holder: What a call returns holds the copy; see `BoundKernel`.
+        answer: A field that calls return, live, in place of what `returns` says.
+        of_numbers: Whether the numbers of the model are those of the kernel, as in other algorithms.
+        as_they_are: With `of_numbers`, fields that are inputs and not computed for it where they wait to be read: each
+            with the state that it is of when read, and an array that is an input, too, or "". See `inputs`.
+        written: With `of_numbers`, what runs in place of this one where the last of its results is not above zero.
     """
 
     name: str
@@ -63,6 +71,22 @@ class OfFields:
     state: str = ""
     depends_on: Dependence = "structure"
     holder: type | None = None
+    answer: str = ""
+    of_numbers: bool = False
+    as_they_are: tuple[tuple[str, str, str], ...] = ()
+    written: OfFields | None = None
+
+    def inputs(self) -> list[str]:
+        """The names of the inputs of `build`: of fields, "mark of oh" (0 where it is filled), and of states."""
+        names = [*self.reads]
+        for field, state, flag in self.as_they_are:
+            names += [
+                field,
+                f"mark of {field}",
+                *(f"{state} {x}" for x in STATES[state]),
+                *filter(None, [flag]),
+            ]
+        return list(dict.fromkeys(names))
 
     def step(self, model: Model, data: Data) -> Any:
         """What is bound to these.
@@ -91,8 +115,12 @@ class OfFields:
             InputError: The Data does not fit the model.
         """
         result = self.step(model, data)()
+        if result is NotImplemented and self.written is not None:
+            result = self.written.step(model, data)()
         if result is NotImplemented:
             result = self._run_after_reads(model, data)
+        if result is NotImplemented and self.written is not None:
+            return self.written.run(model, data)
         if calls is not None and result is not NotImplemented:
             calls.add(self.step(model, data), 0, model, data)
         return result
@@ -116,6 +144,8 @@ class OfFields:
 
     def _run_anew(self, model: Model, data: Data) -> Any:
         """Evaluates it on numbers, or compiles it and binds it to the arrays of the Data and of the model."""
+        if self.of_numbers:
+            return self._run_with_numbers(model, data)
         taken, watch = self._taken(data)
         bodies = model._parameter_blocks("inertias")
         parameters = [*model._parameter_blocks("gravity"), *model._parameter_blocks("armature")]
@@ -141,6 +171,50 @@ class OfFields:
         step = data._bound_at[self.name] = data._bound_after_reads(needed, bind, earlier)
         data._bound_at[self.name, "bound before"] = before + 1 if before < _MOST_EARLIER else 1
         return step()
+
+    def _run_with_numbers(self, model: Model, data: Data) -> Any:
+        """Evaluates it on numbers, or compiles it and binds it to the arrays of the Data; see `of_numbers`."""
+        self._know_states(data)
+        names = self.inputs()
+        read = [_array(data, name) for name in names]
+        if model.first_calls.includes(self.name, NUMBER_CALLS):
+            chosen = self.written or self
+            function = _of_dictionary(chosen.build(EvaluatedModel(model).model), names)
+            with np.errstate(all="ignore"):
+                return chosen._left(model, data, function(*read))
+        watch = [*model._watched(self.depends_on)]  # first: another thread may change a parameter meanwhile
+        compiled = data._attach(model)
+        watch += [*self._constants(model, data)]
+        side_targets, copied, values = self._sides(model, data)
+
+        def build(core: CoreModel) -> Any:
+            function = _of_dictionary(self.build(core), names)
+            return lambda *args: (*function(*args[len(copied) :]), *args[: len(copied)], *values)
+
+        inputs = [*copied, *read]
+        sizes: dict[str, Any] = {f"x{k}": x.shape for k, x in enumerate(inputs)}
+        kernel = compiled.live(compiled.compile((self.name, len(copied), tuple(values)), build, **sizes))
+        condition = None if self.written is None else len(self.fills)
+        last = [] if condition is None else [np.zeros(())]
+        step = data._bound_at[self.name] = kernel.into(
+            *(_filled(data, name) for name in self.fills),
+            *last,
+            *side_targets,
+            returns=self._returned(),
+            watch=not_read(kernel, watch),
+            otherwise=not_applicable,
+            trailing_inputs=inputs,
+            condition=condition,
+        )
+        return step()
+
+    def _know_states(self, data: Data) -> None:
+        """Sets to nan the states that are not known yet, and notes those that it stores."""
+        for _, state, _ in self.as_they_are:
+            if state not in data._known_states:
+                for letter in STATES[state]:
+                    data._arrays[f"{state} {letter}"][...] = np.nan
+        data._known_states |= {name.split()[0] for name, _ in self.stores}
 
     def _bind(
         self,
@@ -172,11 +246,12 @@ class OfFields:
             return kernel.into(
                 *targets,
                 *side_targets,
-                returns=self.returns if isinstance(self.returns, tuple) else (self.returns,),
+                returns=self._returned(),
                 watch=watch,
                 otherwise=otherwise,
                 trailing_inputs=inputs,
                 holder=self.holder,
+                answer=getattr(data, self.answer) if self.answer else None,
             )
 
         return bind
@@ -209,6 +284,12 @@ class OfFields:
         """What makes the function of a model of Ulna, given which fields were read."""
         return (lambda core: self.build(core, taken)) if self.if_read else self.build
 
+    def _returned(self) -> tuple[int, ...]:
+        """The indices of the results that a call returns copies of."""
+        if self.answer:
+            return ()
+        return self.returns if isinstance(self.returns, tuple) else (self.returns,)
+
     def _records(self) -> list[tuple[Algorithm, tuple[str, ...]]]:
         """The algorithms of `leaves`."""
         by_name = {one.name: one for one in ALGORITHMS}
@@ -227,7 +308,7 @@ class OfFields:
 
     def _sides(self, model: Model, data: Data) -> tuple[list[Floats], list[Floats], list[float]]:
         """What a kernel writes besides its results: into which arrays, what is copied there, and marks of fields."""
-        arrays, marks = data._arrays, {name: 0.0 for name in self.fills if name in data._slots}
+        arrays, marks = data._arrays, dict.fromkeys(_marked(data, self.fills), 0.0)
         copies = [(arrays[name], arrays[source]) for name, source in self.stores]
         compiled = data._attach(model) if self.leaves else None
         for record, fields in self._records():
@@ -252,7 +333,7 @@ class OfFields:
             data._attach(model)
         for name, source in self.stores:
             arrays[name][...] = arrays[source]
-        data._mark_filled(*(name for name in self.fills if name in data._slots))
+        data._mark_filled(*_marked(data, self.fills))
         for record, fields in self._records():
             for field in fields:
                 deferred = record.deferred.get(field)
@@ -261,10 +342,17 @@ class OfFields:
                 else:
                     state = (arrays[f"{self.state} {x}"].copy() for x in deferred.inputs)
                     data._defer(deferred, (field,), EvaluatedModel(model), *state)
+        if self.answer:
+            return getattr(data, self.answer)
         if isinstance(self.returns, tuple):
             return tuple(np.array(results[k], float) for k in self.returns)
         result = np.array(results[self.returns], float)
         return result if self.holder is None else self.holder(result)
+
+
+def _of_dictionary(function: Any, names: list[str]) -> Any:
+    """A function of arrays in the order of their names."""
+    return lambda *args: function(dict(zip(names, args, strict=True)))
 
 
 def _with_sides(function: Any, copied: int, bodies: range, values: list[float]) -> Any:
@@ -280,12 +368,25 @@ def _with_sides(function: Any, copied: int, bodies: range, values: list[float]) 
 
 
 def _filled(data: Data, name: str) -> Floats:
-    """Where results are written: the whole array of a field, that of the universe included, or its first row."""
+    """Where results are written: the whole array of a field, with that of the universe, its row, or all others."""
+    if name.startswith("mark of "):
+        return data._mark_of(name.removeprefix("mark of "))
+    if name.endswith("[1:]"):
+        return data._arrays[name[:-4]][1:]
     return data._target(name) if name.endswith("[0]") else data._arrays[name]
 
 
+def _marked(data: Data, names: tuple[str, ...]) -> list[str]:
+    """The fields among those that are filled whose marks are set; not where marks are filled, too."""
+    fields = [one.removesuffix("[1:]") for one in names]
+    return [name for name in fields if name in data._slots and f"mark of {name}" not in names]
+
+
 def _array(data: Data, name: str) -> Floats:
-    """A field as an array."""
+    """A field as an array, or the mark of one; "kept com" is a field that is not computed for it."""
+    name = name.removeprefix("kept ")
+    if name.startswith("mark of "):
+        return data._mark_of(name.removeprefix("mark of "))
     return np.array([*list.__iter__(data._lists["mass"])]) if name == "mass" else data._arrays[name]
 
 

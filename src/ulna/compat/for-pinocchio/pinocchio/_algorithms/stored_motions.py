@@ -253,36 +253,40 @@ def motion_derivatives(carrier: Carrier, with_accelerations: bool) -> Callable[.
     return run
 
 
-def point_derivatives(carrier: Carrier) -> Callable[..., tuple[Array, ...]]:
+def point_derivatives(carrier: Carrier, with_accelerations: bool) -> Callable[..., tuple[Array, ...]]:
     """Derivatives (3, nv) of how the origin of a frame moves, as a point: of its velocity by q, then as of motions.
 
-    It is a function of the placement, of `oMi` of the joint, J, `ov`, dJ and `oa`. The frame turns, so that those of
-    w x u follow for a velocity u and an angular velocity w; along the world's axes those of the rotation, too.
+    It is a function of the placement, of `oMi` of the joint, J and `ov`, and for accelerations of dJ and `oa`. The
+    frame turns, so that those of w x u follow for a velocity u and an angular velocity w; along the world's axes those
+    of the rotation, too.
 
     Args:
         carrier: What carries the frame, which is at a placement.
+        with_accelerations: Whether those of the acceleration by q, v and a follow that of the velocity by q; else that
+            of the velocity by v.
 
     Returns:
-        The function; its results are the velocity's by q and v, the acceleration's by q, v and a.
+        The function; its results are (3, nv).
     """
-    of_motions = motion_derivatives(carrier._replace(reference="local"), True)
+    of_motions = motion_derivatives(carrier._replace(reference="local"), with_accelerations)
     turns = carrier.reference != "local"
 
-    def run(M: Array, oMi: Array, J: Array, ov: Array, dJ: Array, oa: Array) -> tuple[Array, ...]:
-        own, gain = as_motion(ov[carrier.joint]), as_motion(oa[carrier.joint])
-        V_q, A_q, A_v, J_frame, pose_of_frame = of_motions(
-            M, oMi, J, ov, dJ, oa, pose(oMi).act_inverse(own).vector()
-        )
+    def run(M: Array, oMi: Array, J: Array, ov: Array, *more: Array) -> tuple[Array, ...]:
+        own = as_motion(ov[carrier.joint])
+        moved = (*more, pose(oMi).act_inverse(own).vector()) if with_accelerations else ()
+        V_q, *of_acceleration, J_frame, pose_of_frame = of_motions(M, oMi, J, ov, *moved)
         T = pose(pose_of_frame)
-        V, A = T.act_inverse(own), T.act_inverse(gain)
+        V = T.act_inverse(own)
         u, w = skew(V.linear), skew(V.angular)
-        a_q, a_v = (x[:3] + w @ y[:3] - u @ y[3:] for x, y in ((A_q, V_q), (A_v, J_frame)))
-        results = [V_q[:3], J_frame[:3], a_q, a_v, J_frame[:3]]
-        if turns:
-            results[0] = results[0] - u @ J_frame[3:]
-            results[2] = results[2] - skew(A.linear + cross(V.angular, V.linear)) @ J_frame[3:]
-            results = [T.rotation @ x for x in results]
-        return tuple(results)
+        by_q = V_q[:3] - u @ J_frame[3:] if turns else V_q[:3]
+        results = [by_q, J_frame[:3]]
+        if with_accelerations:
+            (A_q, A_v), A = of_acceleration, T.act_inverse(as_motion(more[1][carrier.joint]))
+            a_q, a_v = (x[:3] + w @ y[:3] - u @ y[3:] for x, y in ((A_q, V_q), (A_v, J_frame)))
+            if turns:
+                a_q = a_q - skew(A.linear + cross(V.angular, V.linear)) @ J_frame[3:]
+            results = [by_q, a_q, a_v, J_frame[:3]]
+        return tuple(T.rotation @ x for x in results) if turns else tuple(results)
 
     return run
 

@@ -26,7 +26,7 @@ from pinocchio._spatial.small_kernels import as_motion, body, pose
 from ulna import spatial
 from ulna.compiler.runtime.repeated_calls import CallCache
 from ulna.model import Model as CoreModel
-from ulna.numeric import cross, dot
+from ulna.numeric import cross, dot, less, where
 from ulna.spatial import Motion
 from ulna.typing import Array
 
@@ -141,40 +141,65 @@ def _about_centre(Y: spatial.Inertia) -> Array:
     return np.concatenate([[Y.mass, 0.0, 0.0, 0.0], np.reshape(Y.inertia, 9)])
 
 
+_MASSES = (("computeSubtreeMasses", ("mass",)),)
 _MOMENTUM_FIELDS = ("hg", "Ig", "h", "com", "vcom")
 MOMENTUM = OfFields(
     "centroidal momentum of fields",
     ("liMi", "v"),
     _MOMENTUM_FIELDS,
     lambda core: _momentum(core, False),
+    leaves=_MASSES,
+    answer="hg",
 )
 MOMENTUM_RATE = OfFields(
     "centroidal momentum rate of fields",
     ("liMi", "v", "a"),
     ("dhg", "f", *_MOMENTUM_FIELDS),
     lambda core: _momentum(core, True),
+    leaves=_MASSES,
+    answer="dhg",
 )
 
 
-def _centers(core: CoreModel, level: int) -> Any:
-    """Centres of mass of what each joint moves, in its frame, and their rates up to a level."""
+def _centers(core: CoreModel) -> Any:
+    """Centres of mass of what each joint moves, in its frame, and their rates where motions are of the placements."""
     parents = _parents(core)
 
-    def run(liMi: Array, *rest: Array) -> tuple[Any, ...]:
-        motions, inertias = rest[:-3], rest[-3]
+    def run(*args: Array) -> tuple[Any, ...]:
+        x = inputs_by_name(_CENTER_READS, args)
+        liMi, inertias, motions = x["liMi"], x["inertias"], (x["v"], x["a"])
         masses = _summed(parents, _masses(inertias), lambda _, mass: mass)
-        own = [_points(row, [x[k] for x in motions]) for k, row in enumerate(inertias)]
+        own = [_points(row, [motion[k] for motion in motions]) for k, row in enumerate(inertias)]
         results = []
-        for order in range(level + 1):
+        for order in range(3):
             shares = [mass * points[order] for mass, points in zip(_masses(inertias), own, strict=True)]
             moved = (lambda i, x: liMi[i][:3, :3] @ x) if order else None
             sums = _summed(
                 parents, shares, moved or (lambda i, x: liMi[i][:3, :3] @ x + masses[i] * liMi[i][:3, 3])
             )
             results.append(np.stack([x / mass for x, mass in zip(sums, masses, strict=True)]))
-        return tuple(results)
+        return results[0][0], *_of_known_motions(x, *results)
 
     return run
+
+
+def _of_known_motions(x: dict[str, Array], com: Array, vcom: Array, acom: Array) -> list[Array]:
+    """Centres, and their rates, marks and state; all but centres stay what they are where motions are of another q."""
+    gaps = [x[f"{name} q"] - x["placements q"] for name in ("velocities", "accelerations")]
+    moves = less(gaps[0] @ gaps[0], _TINY)
+    accelerates = less(gaps[0] @ gaps[0] + gaps[1] @ gaps[1], _TINY)
+    state = [where(moves, x[f"velocities {k}"], x[f"center_velocities {k}"]) for k in "qv"]
+    rates = [where(moves, vcom, x["kept vcom"]), where(accelerates, acom, x["kept acom"])]
+    marks = [where(moves, 0.0, x["mark of vcom"]), where(accelerates, 0.0, x["mark of acom"])]
+    return [com, *rates, *marks, *state]
+
+
+_TINY = 1e-300
+_CENTER_READS = (
+    *("liMi", "v", "a", "kept vcom", "kept acom", "mark of vcom", "mark of acom"),
+    *("placements q", "velocities q", "velocities v", "accelerations q", "center_velocities q"),
+    "center_velocities v",
+)
 
 
 def _masses(inertias: Array) -> list[Any]:
@@ -194,12 +219,26 @@ def _points(inertia: Array, motions: Sequence[Array]) -> list[Array]:
 CENTERS = tuple(
     OfFields(
         f"centre of mass of fields {level}",
-        ("liMi", "v", "a")[: level + 1],
-        ("com", "vcom", "acom")[: level + 1],
-        lambda core, level=level: _centers(core, level),
+        _CENTER_READS,
+        (
+            "",
+            "com",
+            "vcom",
+            "acom",
+            "mark of vcom",
+            "mark of acom",
+            "center_velocities q",
+            "center_velocities v",
+        ),
+        _centers,
+        same=(("velocities q", "placements q"), ("accelerations q", "placements q"))[:level],
+        stores=(("centers q", "placements q"),),
+        leaves=_MASSES,
+        state="placements",
     )
     for level in range(3)
 )
+"""For each `KinematicLevel` the one that applies where motions up to it are of the placements."""
 
 
 def _columns_of(core: CoreModel, oMi: Array, q: Array) -> list[list[Motion]]:
@@ -415,7 +454,7 @@ CENTER_COLUMNS = OfFields(
         ("center_jacobian q", "placements q"),
         ("centers q", "placements q"),
     ),
-    leaves=(("computeSubtreeMasses", ("mass",)),),
+    leaves=_MASSES,
     state="placements",
 )
 

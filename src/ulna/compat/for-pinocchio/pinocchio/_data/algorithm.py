@@ -23,14 +23,25 @@ STATES = {
     "center_velocities": "qv",
     "center_jacobian": "q",
     "center_columns": "q",
+    "momenta": "qv",
+    "falling": "qva",
 }
 """The states that results in a Data belong to, with a letter for each array.
 
 They are those of `oMi`, of `liMi` and `Data.joints`, of the velocities there, of `v`, of `a`, of `J`, of `dJ`, of
 derivatives of inverse dynamics, of the last forward dynamics, whose accelerations are computed ones, of the articulated
-inertias that inverted the mass matrix last, of `com` and `vcom` of subtrees when they were read, of `Jcom`, and of
-`dFdq` and the like where they are about the centre of mass (else nan).
+inertias that inverted the mass matrix last, of `com` and `vcom` of subtrees when they were read, of `Jcom`, of
+`dFdq` and the like where they are about the centre of mass (else nan), and of `oh` and `oa_gf` when they were read.
 """
+STATES_READ = (
+    ("velocities", "v"),
+    ("accelerations", "a"),
+    ("centers", "com"),
+    ("center_velocities", "vcom"),
+    ("momenta", "oh"),
+    ("falling", "oa_gf"),
+)
+"""States, and the field that each is of from when the field is computed, nan where it depends on less."""
 _STATE_OF = {
     "oMi": "placements",
     "v": "velocities",

@@ -8,7 +8,7 @@ from typing import Any, final
 import numpy as np
 
 from pinocchio._containers.arrays import not_applicable
-from pinocchio._data.algorithm import STATES, Deferred
+from pinocchio._data.algorithm import STATES, STATES_READ, Deferred
 from pinocchio._data.evaluated_model import EvaluatedModel
 from pinocchio._data.states import FieldStates
 from pinocchio._model.compiled_model import CompiledModel
@@ -20,15 +20,6 @@ from ulna.typing import Array, Floats
 
 _MOTIONS = ("v", "ov", "a_gf", "oa_gf")
 """Fields whose first row, the motion of the universe, is set with the others."""
-
-
-_STATES_READ = (
-    ("velocities", "v"),
-    ("accelerations", "a"),
-    ("centers", "com"),
-    ("center_velocities", "vcom"),
-)
-"""States, and the field that each is of from when the field is computed."""
 
 
 def split_forces(F: Array) -> list[spatial.Force | None]:
@@ -110,7 +101,7 @@ class CompiledFields:
             *(data._target(field) for field in fields),
             *(data._target(f"{field}[0]") for field in self._with_universe(fields)),
             *marks,
-            *(data._arrays[name] for name, _ in _states_of(fields)),
+            *(data._arrays[name] for name in _states_of(fields)),
             *(data._arrays[name] for name, _ in self._flags(fields)),
             watch=[(mark, np.array(float(number))) for mark in marks],
             otherwise=not_applicable,
@@ -134,7 +125,9 @@ class CompiledFields:
                     functions[name]() if name in functions else _of_universe(core, name)
                     for name in with_universe
                 ]
-                known, flags = (args[k] for _, k in states), (value for _, value in self._flags(fields))
+                given = dict(zip(self._inputs, args, strict=False))
+                known = [given.get(name[-1], np.full(core.nv, np.nan)) for name in states]
+                flags = (value for _, value in self._flags(fields))
                 return *computed, *universe, *([0.0] * len(fields)), *known, *flags
 
             return run
@@ -158,10 +151,10 @@ def _of_universe(model: Any, name: str) -> Array:
     return np.concatenate([lift, np.zeros(3)])
 
 
-def _states_of(fields: tuple[str, ...]) -> list[tuple[str, int]]:
-    """The names of states that are known once these fields are filled, and which inputs they are."""
-    names = [name for name, field in _STATES_READ if field in fields]
-    return [(f"{name} {letter}", k) for name in names for k, letter in enumerate(STATES[name])]
+def _states_of(fields: tuple[str, ...]) -> list[str]:
+    """The arrays of the states that are known once these fields are filled; their last letters are those of inputs."""
+    names = [name for name, field in STATES_READ if field in fields]
+    return [f"{name} {letter}" for name in names for letter in STATES[name]]
 
 
 def table_of(data: FieldStates, compiled: Any) -> TableEvaluator | None:

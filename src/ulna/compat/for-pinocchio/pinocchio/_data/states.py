@@ -10,9 +10,11 @@ from collections.abc import Callable, Container, Sequence
 from itertools import compress
 from typing import Any, ClassVar, NamedTuple, final
 
+import numpy as np
+
 from pinocchio._containers.arguments import check_layout
 from pinocchio._containers.arrays import not_applicable
-from pinocchio._data.algorithm import ALGORITHMS, STATES, Algorithm, Deferred
+from pinocchio._data.algorithm import ALGORITHMS, STATES, STATES_READ, Algorithm, Deferred
 from pinocchio._data.storage import FILLED_BY, PER_JOINT, READ_INSTEAD, FieldArrays
 from pinocchio._model.building import KinematicTree
 from pinocchio._model.compiled_model import CompiledModel
@@ -230,14 +232,11 @@ class FieldStates:
         for name in fields:
             self._marks[self._slots[name]] = 0.0
             self._waiting.pop(name, None)
-        if "v" in fields:
-            self._qv = state[:2]
-        if "a" in fields:
-            self._qva = state[:3]
-        if "com" in fields:
-            self._q_of_centers = state[:1][0]
-        if "vcom" in fields:
-            self._qv_of_centers = state[:2]
+        given = dict(zip(deferred.inputs, state, strict=False))  # forces may follow
+        for known in (name for name, field in STATES_READ if field in fields):
+            self._known_states.add(known)
+            for letter in STATES[known]:
+                self._arrays[f"{known} {letter}"][...] = given.get(letter, np.nan)
 
     def _bind_read(
         self, number: int, deferred: Deferred, compiled: Any, fields: tuple[str, ...], state: Any
