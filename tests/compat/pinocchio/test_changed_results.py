@@ -360,6 +360,48 @@ def test_fields_that_other_calls_left_are_no_inputs_of_forward_dynamics() -> Non
             np.testing.assert_allclose(one, first, rtol=1e-8, atol=1e-8)
 
 
+_CONSTRAINTS = """
+import json, numpy as np, pinocchio as pin
+found = []
+for model in (pin.buildSampleModelManipulator(), pin.buildSampleModelHumanoid()):
+    q = pin.integrate(model, pin.neutral(model), np.linspace(-0.5, 0.8, model.nv))
+    M = pin.SE3(pin.exp3(np.array([0.3, -0.2, 0.5])), np.array([-0.1, 0.4, 0.7]))
+    N = pin.SE3(pin.exp3(np.array([0.1, 0.6, -0.5])), np.array([0.3, 0.2, -0.3]))
+    end, data = model.njoints - 1, model.createData()
+    rigid, datas = pin.StdVec_RigidConstraintModel(), pin.StdVec_RigidConstraintData()
+    for kind in (pin.ContactType.CONTACT_3D, pin.ContactType.CONTACT_6D):
+        for reference in (pin.LOCAL, pin.LOCAL_WORLD_ALIGNED):
+            rigid.append(pin.RigidConstraintModel(kind, model, end, M, reference))
+            rigid.append(pin.RigidConstraintModel(kind, model, end, M, 2, N, reference))
+    datas.extend([one.createData() for one in rigid])
+    anchors = [pin.PointAnchorConstraintModel(model, end, M, 2, N), pin.FrameAnchorConstraintModel(model, end, M, 2, N),
+               pin.PointContactConstraintModel(model, 2, M)]
+    known = [one.createData() for one in anchors]
+    for turn in range(ROUNDS):
+        for change in (lambda: 0, lambda: data.J.__imul__(1.5), lambda: data.J.__iadd__(np.arange(6.0 * model.nv).reshape(6, -1)),
+                       lambda: data.oMi[2].translation.__iadd__(np.ones(3))):
+            pin.forwardKinematics(model, data, q)
+            pin.computeJointJacobians(model, data, q)
+            for one, its in zip([*rigid, *anchors], [*datas, *known]):
+                one.calc(model, data, its)
+            change()
+            found += [pin.getConstraintJacobian(model, data, *pair).tolist() for pair in zip(rigid, datas)]
+            found += [one.jacobian(model, data, its).tolist() for one, its in zip(anchors, known)]
+            found.append(pin.getConstraintsJacobian(model, data, rigid, datas).tolist())
+print(json.dumps(found))
+"""
+
+
+@pytest.mark.parametrize("rounds", [1, 4])
+def test_constraint_jacobians_are_of_the_columns_that_are_there(rounds: int) -> None:
+    """Placements count where `calc` read them."""
+    pytest.importorskip("pinocchio")
+    own, wanted = map(json.loads, printed(_CONSTRAINTS.replace("ROUNDS", str(rounds))))
+    assert len(own) == len(wanted) == 2 * 4 * 12 * rounds
+    for mine, theirs in zip(own, wanted, strict=True):
+        np.testing.assert_allclose(mine, theirs, rtol=1e-9, atol=1e-9 * max(1.0, np.abs(theirs).max()))
+
+
 _FOLLOWING = """
 import json, numpy as np, pinocchio as pin
 model = pin.buildSampleModelHumanoid()

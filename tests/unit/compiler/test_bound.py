@@ -134,6 +134,25 @@ def test_copies_are_returned(kernel, targets):
     assert _same((matrix,), kernel(Q, V)[:1])
 
 
+def test_an_object_is_returned_in_place_of_none(kernel, targets):
+    answer = object()
+    references = sys.getrefcount(answer)
+    bound = kernel.into(*targets, answer=answer)
+    for _ in range(10):
+        assert bound(Q, V) is answer
+    assert _same(targets, kernel(Q, V))
+    assert bound([0.1, -0.7, 1.3], V) is answer  # converted
+    watched = np.zeros(1)
+    refused = kernel.into(*targets, answer=answer, watch=[(watched, np.zeros(1))], otherwise=_refused)
+    assert refused(Q, V) is answer
+    watched[0] = 1.0
+    assert refused(Q, V) == "refused"
+    assert kernel.into(*targets, returns=(1,), answer=answer)(Q, V) == Q @ V
+    del bound, refused
+    gc.collect()
+    assert sys.getrefcount(answer) == references
+
+
 def test_other_arguments_are_converted(kernel, targets):
     step = kernel.into(*targets, returns=(2,))
     wanted = kernel(Q, V)

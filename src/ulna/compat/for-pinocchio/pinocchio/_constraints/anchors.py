@@ -10,7 +10,7 @@ import numpy as np
 from pinocchio._constraints.cones import CoulombFrictionCone, FullSpaceCone
 from pinocchio._constraints.constraint_model import AnyConstraint, AnyConstraintData, wrong_model
 from pinocchio._constraints.frame_pair import ConstraintSelectionType, FramePair
-from pinocchio._constraints.kernels import core_constraints
+from pinocchio._constraints.kernels import core_constraints, has_columns_of
 from pinocchio._containers.arguments import OMITTED, ArgumentError
 from pinocchio._containers.arrays import fixed, vector
 from pinocchio._containers.attributes import AttributeKind, computed, entries, one_of, whole
@@ -52,6 +52,7 @@ class _ConstraintState(AnyConstraintData):
         "_J",
         "_oMc",
         "_oMi",
+        "_q",
         "c1Mc2",
         "constraint_acceleration_biais_term",
         "constraint_acceleration_error",
@@ -77,6 +78,8 @@ class _ConstraintState(AnyConstraintData):
             raise wrong_model(self, constraint_model)
         m = self._rows
         self._J: Floats | None = None
+        self._q: Floats | None = None
+        """The Jacobian, and the configuration, when `calc` was called."""
         self._oMi: Floats | None = None
         self._oMc: list[SE3] = []
         """Both frames of the constraint in the world when `calc` was called."""
@@ -243,6 +246,7 @@ class _Anchor(FramePair, AnyConstraint):
         sizes: dict[str, Any] = dict(zip(("q", "v", "a", "places"), (x.shape for x in inputs), strict=True))
         result = compiled_for(model, data).compile(("constraint motion", shapes), build, **sizes)(*inputs)
         place, constraint_data._J, velocity, acceleration = result
+        constraint_data._q = state[0].copy()
         wanted = (
             self.desired_constraint_offset,
             self.desired_constraint_velocity,
@@ -292,13 +296,25 @@ class _Anchor(FramePair, AnyConstraint):
             )
 
     def jacobian(self, model: Model, data: Data, constraint_data: Any) -> Floats:
-        """The Jacobian (residualSize, nv) of its velocity, after `calc`."""
+        """The Jacobian (residualSize, nv) of its velocity, after `calc`; of `data.J` where it is of that q."""
         self._fits(model, constraint_data)
         if constraint_data._J is None:
             raise ArgumentError(
                 "The data of the constraint is empty. Call constraint.calc(model, data, its data) first."
             )
+        if has_columns_of(model, data, constraint_data._q):
+            moved = data._arrays["J"] * self._moved(model)
+            return constraint_data._of_world() @ moved
         return constraint_data._J.copy()
+
+    def _moved(self, model: Model) -> Floats:
+        """For each column 1 where it moves the second joint, -1 where it moves the first one, and 0 for both (nv,)."""
+        out = np.zeros(model.nv)
+        for sign, joint in ((-1.0, self.joint1_id), (1.0, self.joint2_id)):
+            for moving in list(model.supports[joint])[1:]:
+                first = model.joints[moving].idx_v
+                out[first : first + model.joints[moving].nv] += sign
+        return out
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         super().__setstate__(state)

@@ -22,7 +22,13 @@ from pinocchio._constraints.delassus import (
     with_inertia,
 )
 from pinocchio._constraints.frame_pair import watched_changes
-from pinocchio._constraints.kernels import core_constraints, jacobian_kernel, sizes_of
+from pinocchio._constraints.kernels import (
+    core_constraints,
+    has_columns_of,
+    jacobian_kernel,
+    sizes_of,
+    stored_jacobian_kernel,
+)
 from pinocchio._constraints.proximal_settings import damping_of
 from pinocchio._constraints.rigid_constraint import DELASSUS_LEAVES, RigidConstraint
 from pinocchio._constraints.workspace import PROPAGATORS
@@ -60,6 +66,8 @@ _list_calls, _calls = (call_cache(4, weak=2) for _ in range(2))
 @checks_itself
 def getConstraintsJacobian(model: Model, data: Data, constraint_models: Any, constraint_datas: Any) -> Floats:
     """The Jacobian (m, nv) of all constraints, at the configuration of the last kinematics or dynamics.
+
+    It is made of the columns of `data.J` where they are of that configuration.
 
     Args:
         data: Its data, after kinematics or dynamics.
@@ -116,7 +124,10 @@ def jacobian_here(model: Model, data: Data, constraint_set: ConstraintSet) -> Fl
     if J is NotImplemented:
         q, shapes = data._q, constraint_set.shapes
         if evaluator := loaded_evaluator(model, data, ("constraint jacobian", shapes)):
-            return table_jacobian(evaluator, q, shapes, constraint_set.places) if shapes else _no_rows(model)
+            J = data._arrays["J"] if has_columns_of(model, data, q) else None
+            return (
+                table_jacobian(evaluator, q, shapes, constraint_set.places, J) if shapes else _no_rows(model)
+            )
         data._attach(model)
         constraint_set = constraint_set_of(model, data, constraint_set.models, constraint_set.datas)
         if not shapes:
@@ -131,10 +142,17 @@ def _no_rows(model: Model) -> Floats:
 
 
 def _bind_jacobian(model: Model, data: Data, constraint_set: ConstraintSet, q: Floats) -> Any:
-    """Binds the Jacobian of constraints to their placements and to the array of q."""
+    """Binds the Jacobian of constraints to their placements, to the array of q, and to J and the array of its q."""
     watch = [*model._watched("placements"), (watched_changes, watched_changes.copy())]  # first: see `run`
-    kernel = jacobian_kernel(data._attach(model), constraint_set.shapes, model.nq)
-    return BoundKernel(kernel, watch, trailing_inputs=(q, *constraint_set.places)).call
+    compiled, shapes = data._attach(model), constraint_set.shapes
+    inputs: tuple[Floats, ...] = (q, *constraint_set.places)
+    if model.nvExtended != model.nv:  # several joints share a column
+        return BoundKernel(jacobian_kernel(compiled, shapes, model.nq), watch, trailing_inputs=inputs).call
+    of_columns = data._arrays["jacobians q"]
+    if "jacobians" not in data._known_states:
+        of_columns[...] = np.nan
+    inputs = (data._arrays["J"], of_columns, *inputs)
+    return BoundKernel(stored_jacobian_kernel(compiled, shapes), watch, trailing_inputs=inputs).call
 
 
 def check_constraints(constraint_models: Any) -> None:
