@@ -8,9 +8,15 @@ import pytest
 from support.random_models import KINDS, random_inertia, random_model, random_pose
 from ulna.algorithms import frame_jacobian, frame_pose, random
 from ulna.algorithms.multibody.link_frames import choose_link_frames, frame_chain
-from ulna.algorithms.multibody.mass_moments import MassMoments, rotate_symmetric, rotation_axis, steiner
+from ulna.algorithms.multibody.mass_moments import (
+    MassMoments,
+    in_parent_frame,
+    rotate_symmetric,
+    rotation_axis,
+    steiner,
+)
 from ulna.algorithms.multibody.prepared_model import prepare
-from ulna.algorithms.multibody.tree import chain, poses, steps, tip_pose
+from ulna.algorithms.multibody.tree import chain, poses, steps, sum_in_world, tip_pose
 from ulna.compiler import trace
 from ulna.model import Continuous, Model, ModelBuilder, Prismatic, Revolute
 from ulna.spatial import SE3, Motion
@@ -128,3 +134,22 @@ def test_regrouping_leaves_the_base_parameters() -> None:
             k = int(np.abs(step.kind.axis).argmax())
             assert rest.first[k] == 0.0
             assert (np.diag(rest.second) == 0.0).sum() == 1
+
+
+@pytest.mark.parametrize("root", KINDS)
+def test_regrouped_bodies_and_what_is_at_rest_have_the_moments_of_the_robot(root: str) -> None:
+    rng = np.random.default_rng(7100)
+    model = random_model(rng, [root, *KINDS], mimics=1)
+    prepared = prepare(model)
+    assert any(step.parent < 0 and step.joint.name == "joint0" for step in prepared.tree)
+    for _ in range(3):
+        q = random(model, rng)
+        before, after = (
+            sum_in_world(prepared.tree, bodies, rest, lambda step, body, q=q: in_parent_frame(step, body, q))
+            for bodies, rest in (
+                (prepared.body_moments, MassMoments.zero()),
+                (prepared.regrouped_moments, prepared.moments_at_rest),
+            )
+        )
+        for name in ("mass", "first", "second"):
+            np.testing.assert_allclose(getattr(after, name), getattr(before, name), rtol=1e-11, atol=1e-11)

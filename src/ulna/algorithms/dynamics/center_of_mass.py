@@ -11,6 +11,8 @@
 | c_p'' | | (3) | [kg m/s^2] | R (c'' + w x (2 c' + w x c) + e x c + m (k + w x l)) |
 | J | columns, in world axes | (3, nv) | [m], [1] | R_world (m l + w x c) / (mass of all), s = (l; w) |
 
+The columns of revolute, prismatic and helical joints are written in their fixed frames, where s is the same.
+
 The first moment is summed inward and differentiated at each step, so that the velocity and the acceleration
 of no body are needed. Source: Siciliano 2009, eq. 7.2 (first moments); the rates are those of a point in a moving
 frame, section 3.1. What no joint moves does not count: the centre is that of the moving bodies.
@@ -30,7 +32,7 @@ from ulna.algorithms.multibody.tree import Step, inward, poses, sum_in_world
 from ulna.errors import InputError
 from ulna.model import Model
 from ulna.numeric import apply, cross, is_symbolic
-from ulna.spatial import Motion
+from ulna.spatial import SE3, Motion
 from ulna.typing import Array
 
 
@@ -141,9 +143,14 @@ def center_of_mass_jacobian(model: Model, q: Array, subtree: str | None = None) 
     mass_of = {id(step): m for step, m in zip(tree, masses, strict=True)}
     moments = inward(tree, firsts, lambda step, c: _position(step, mass_of[id(step)], c, q))
     J = batch_zeros((3, model.nv), q)
-    for step, m, c, T in zip(tree, masses, moments, poses(tree, q), strict=True):
+    T = [*poses(tree, q), SE3.identity()]  # the last one is that of the world, the parent -1
+    for i, (step, m, c) in enumerate(zip(tree, masses, moments, strict=True)):
+        frame, seen = T[i], c
+        if step.moves_along_one_screw:  # the fixed frame depends on one position less
+            X = step.transform(q)
+            frame, seen = T[step.parent] @ step.placement, apply(X.rotation, c) + m * X.translation
         for k, s in zip(step.indices, step.subspace(), strict=True):
-            J[..., :, k] += apply(T.rotation, (m * s.linear + cross(s.angular, c)) * step.multiplier)
+            J[..., :, k] += apply(frame.rotation, (m * s.linear + cross(s.angular, seen)) * step.multiplier)
     return J * _reciprocal(model, subtree)
 
 

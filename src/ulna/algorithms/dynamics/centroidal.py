@@ -6,7 +6,7 @@
 | c | centre of mass of all moving bodies | (3) | [m] | see center_of_mass.py |
 | G_i | pose of step i in the centroidal frame (origin c, world axes): (R_i, p_i - c) | SE3 | [m] | |
 | I, h, D | composite inertia, momentum, rate of the second moment of step i | MovingBodies | | see coriolis.py |
-| A | centroidal momentum matrix; its column for s | (6, nv) | | G_i I s |
+| A | centroidal momentum matrix; its column for s | (6, nv) | | G_i I s, or of fixed frames, where s is the same |
 | h_G | centroidal momentum, linear part first, in world axes | (6) | [N s, N m s] | A v |
 | dA/dt | its column for s | (6, nv) | | G_i (I (V_i x s) + dI/dt s) - (0; dc/dt x f), f = linear of A's column |
 | I_G | locked rotational inertia about c, in world axes | (3, 3) | [kg m^2] | that about 0, minus that of m in c |
@@ -20,7 +20,6 @@ is regrouped (see regrouped_moments.py): those inertias are used. A robot withou
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 
@@ -30,13 +29,13 @@ from ulna.algorithms.dynamics.center_of_mass import (
     over_total_mass,
 )
 from ulna.algorithms.dynamics.coriolis import MovingBodies
-from ulna.algorithms.dynamics.crba import composite_moments, in_parent_frame
+from ulna.algorithms.dynamics.crba import composite_moments
 from ulna.algorithms.dynamics.rnea_point_accelerations import newton_euler, point_motions
 from ulna.algorithms.multibody.batch_shapes import add_column, batch_zeros
 from ulna.algorithms.multibody.body_motions import body_velocities
-from ulna.algorithms.multibody.mass_moments import MassMoments, steiner
-from ulna.algorithms.multibody.prepared_model import prepare
-from ulna.algorithms.multibody.tree import Step, inward, outward, poses, sum_in_world
+from ulna.algorithms.multibody.mass_moments import MassMoments, in_fixed_frame, in_parent_frame, steiner
+from ulna.algorithms.multibody.prepared_model import PreparedModel, prepare
+from ulna.algorithms.multibody.tree import Step, inward, outward, sum_in_world
 from ulna.model import FreeFlyer, Model
 from ulna.numeric import apply, cross
 from ulna.spatial import SE3, Force
@@ -57,9 +56,13 @@ def centroidal_matrix(model: Model, q: Array) -> Array:
     tree = prepared.tree
     subtrees = composite_moments(tree, prepared.regrouped_moments, q)
     A = batch_zeros((6, model.nv), q)
-    for step, body, G in zip(tree, subtrees, _centred(model, tree, subtrees, q), strict=True):
+    G = _centred(prepared, subtrees, q)
+    for i, (step, body) in enumerate(zip(tree, subtrees, strict=True)):
+        frame, seen = G[i], body
+        if step.moves_along_one_screw:  # the fixed frame depends on one position less
+            frame, seen = G[step.parent] @ step.placement, in_fixed_frame(step, body, q)
         for k, s in step.columns():
-            add_column(A, k, G.act(body.apply(s)))
+            add_column(A, k, frame.act(seen.apply(s)))
     return A
 
 
@@ -83,7 +86,7 @@ def centroidal_matrix_dot(model: Model, q: Array, v: Array) -> Array:
     subtrees = inward(tree, moving_bodies, lambda step, moving: moving.to_parent(step, q))
     drift = center_of_mass_velocity(model, q, v)
     A = batch_zeros((6, model.nv), q, v)
-    centred = _centred(model, tree, [subtree.body for subtree in subtrees], q)
+    *centred, _ = _centred(prepared, [subtree.body for subtree in subtrees], q)
     for step, subtree, twist, G in zip(tree, subtrees, V, centred, strict=True):
         for k, s in step.columns():
             change = G.act(subtree.body.apply(twist.cross(s)) + subtree.rate(s))
@@ -148,19 +151,24 @@ def centroidal_inertia(model: Model, q: Array) -> Array:
     return total.second - about_centre + batch_zeros((3, 3), q)
 
 
-def _centred(model: Model, tree: Sequence[Step], subtrees: Sequence[MassMoments], q: Array) -> list[SE3]:
-    """G of every step.
+def _centred(prepared: PreparedModel, subtrees: Sequence[MassMoments], q: Array) -> list[SE3]:
+    """G of every step, then that of the world, the parent -1, whose origin is at -c.
 
-    Nothing depends on the pose of a robot whose root joint is a free flyer that carries all mass: its poses begin at c.
+    Nothing depends on the pose of a robot whose root joint is a free flyer that carries all mass: its poses begin at c,
+    and that of the world is not needed.
     """
-    is_free = bool(tree) and isinstance(tree[0].kind, FreeFlyer)
-    if not is_free or any(step.parent < 0 for step in tree[1:]):
-        c = center_of_mass(model, q)
-        return [SE3(T.rotation, T.translation - c) for T in poses(tree, q)]
-    R = tree[0].pose(None, q).rotation
-    root = SE3(R, -apply(R, over_total_mass(model, subtrees[0].first)))
-    world: Any = None
-    return outward(tree, world, lambda step, G: root if G is None else step.pose(G, q))
+    model, tree = prepared.model, prepared.tree
+    if tree and isinstance(tree[0].kind, FreeFlyer) and all(step.parent >= 0 for step in tree[1:]):
+        R = tree[0].pose(None, q).rotation
+        root = SE3(R, -apply(R, over_total_mass(model, subtrees[0].first)))
+        world = SE3.identity()
+        return [*outward(tree, world, lambda step, G: root if step.parent < 0 else step.pose(G, q)), world]
+    first = prepared.moments_at_rest.first
+    for step, body in zip(tree, subtrees, strict=True):
+        if step.parent < 0:
+            first = first + in_parent_frame(step, body, q).first
+    world = SE3(np.eye(3), -over_total_mass(model, first))
+    return [*outward(tree, world, lambda step, G: step.pose(G, q)), world]
 
 
 def _about_centre(model: Model, tree: Sequence[Step], forces: Sequence[Force], q: Array) -> Array:

@@ -117,6 +117,20 @@ def body_moments(model: Model, tree: Sequence[Step]) -> list[MassMoments]:
     ]
 
 
+def in_fixed_frame(step: Step, body: MassMoments, q: Array) -> MassMoments:
+    """J(q) acting on an inertia.
+
+    Args:
+        step: The step whose moving frame it is written in.
+        body: Mass moments about the origin of that frame [kg, kg m, kg m^2].
+        q: Configuration, shape (..., nq) [rad, m].
+
+    Returns:
+        The same inertia in the fixed frame of the step [kg, kg m, kg m^2].
+    """
+    return body.to_outer_frame(step.transform(q), rotation_axis(step.kind))
+
+
 def in_parent_frame(step: Step, body: MassMoments, q: Array) -> MassMoments:
     """X acting on an inertia.
 
@@ -128,7 +142,7 @@ def in_parent_frame(step: Step, body: MassMoments, q: Array) -> MassMoments:
     Returns:
         The same inertia in the moving frame of the parent [kg, kg m, kg m^2].
     """
-    return body.to_outer_frame(step.transform(q), rotation_axis(step.kind)).to_outer_frame(step.placement)
+    return in_fixed_frame(step, body, q).to_outer_frame(step.placement)
 
 
 def steiner(a: Array, b: Array) -> Array:

@@ -42,9 +42,18 @@ class PreparedModel:
             )
         ]
 
-    @cached_property
+    @property
     def regrouped_moments(self) -> list[MassMoments]:
         """The same after regrouping; see regrouped_moments.py for which quantities it keeps."""
+        return self._regrouping[0]
+
+    @property
+    def moments_at_rest(self) -> MassMoments:
+        """What regrouping leaves to the world, in its frame [kg, kg m, kg m^2]."""
+        return self._regrouping[1]
+
+    @cached_property
+    def _regrouping(self) -> tuple[list[MassMoments], MassMoments]:
         return regrouped_moments(self.tree, self.body_moments)
 
     def external_force(self, i: int, external: External) -> Force | None:

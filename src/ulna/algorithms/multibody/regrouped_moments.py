@@ -33,8 +33,10 @@ from ulna.model import Continuous, Prismatic, Revolute, Spherical, Translation
 from ulna.numeric import is_symbolic
 
 
-def regrouped_moments(tree: Sequence[Step], bodies: Sequence[MassMoments]) -> list[MassMoments]:
-    """The regrouped inertia of every step.
+def regrouped_moments(
+    tree: Sequence[Step], bodies: Sequence[MassMoments]
+) -> tuple[list[MassMoments], MassMoments]:
+    """The regrouped inertia of every step, and what is counted with the world.
 
     A placement that is not a number is skipped: moving inertia through it costs more operations than it saves.
 
@@ -43,9 +45,10 @@ def regrouped_moments(tree: Sequence[Step], bodies: Sequence[MassMoments]) -> li
         bodies: The inertia of the body of every step, in its moving frame [kg, kg m, kg m^2].
 
     Returns:
-        The regrouped inertias, one a step, in the same frames [kg, kg m, kg m^2].
+        The regrouped inertias, one a step, in the same frames, and what those of the roots leave to the world, in its
+        frame [kg, kg m, kg m^2]. Together they have the moments of the robot in every configuration.
     """
-    regrouped = list(bodies)
+    regrouped, at_rest = list(bodies), MassMoments.zero()
     for i, step in reversed(list(enumerate(tree))):
         if step.parent >= 0 and is_symbolic(step.placement.rotation, step.placement.translation):
             continue
@@ -53,9 +56,12 @@ def regrouped_moments(tree: Sequence[Step], bodies: Sequence[MassMoments]) -> li
         if part is None:
             continue
         regrouped[i] = regrouped[i] - part
+        moved = part.to_outer_frame(step.placement)
         if step.parent >= 0:
-            regrouped[step.parent] = regrouped[step.parent] + part.to_outer_frame(step.placement)
-    return regrouped
+            regrouped[step.parent] = regrouped[step.parent] + moved
+        else:
+            at_rest = at_rest + moved
+    return regrouped, at_rest
 
 
 def _indistinguishable_part(step: Step, body: MassMoments) -> MassMoments | None:

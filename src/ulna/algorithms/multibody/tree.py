@@ -23,7 +23,7 @@ from collections.abc import Callable, Iterable, Sequence
 from typing import Any, TypeVar
 
 from ulna.data_classes import dataclass
-from ulna.model import Frame, Joint, JointKind, Model
+from ulna.model import Frame, Helical, Joint, JointKind, Model, Prismatic, Revolute
 from ulna.spatial import SE3, Force, Motion
 from ulna.typing import Array
 
@@ -97,6 +97,11 @@ class Step:
         """
         fixed = self.placement if T is None else T @ self.placement
         return fixed @ self.transform(q)
+
+    @property
+    def moves_along_one_screw(self) -> bool:
+        """Whether S is the same in the fixed frame, since J(q) turns about and slides along its one axis."""
+        return isinstance(self.kind, (Revolute, Prismatic, Helical))
 
     def pose_in_parent(self, T: SE3, q: Array) -> SE3:
         """A pose in the moving frame, in the parent's moving frame.
