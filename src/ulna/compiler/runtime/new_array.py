@@ -40,7 +40,7 @@ from ulna.compiler.runtime.object_layout import (
 )
 
 _WORDS = (
-    "array_new", "get_handler", "handler", "malloc", "context", "free",
+    "array_new", "get_handler", "handler", "malloc", "context",
     "object_new", "object_free", "raw_malloc", "raw_free", "track", "incref", "decref", "double", "float",
 )  # fmt: skip
 """The words of the table that `words` fills: functions and objects of CPython and NumPy."""
@@ -86,56 +86,56 @@ NEW_ARRAY_IR = f"""
 ; A new C-contiguous array of float64 or float32, with one axis or more; all arguments behind %number are zero.
 define ptr @new_array({_ARGUMENTS}) nounwind {{
 entry:
-  %is.double = icmp eq i32 %number, {TYPE_NUMBER["double"]}
-  %size = select i1 %is.double, i64 8, i64 4
-  %count = zext i32 %axes to i64
-  %few = icmp ule i32 %axes, {_MOST_AXES}
-  br i1 %few, label %length, label %general
-length:
-  %k = phi i64 [ 0, %entry ], [ %k.next, %length ]
-  %bytes.k = phi i64 [ %size, %entry ], [ %bytes, %length ]
-  %long.k = phi i64 [ 0, %entry ], [ %long, %length ]
-  %length.p = getelementptr i64, ptr %lengths, i64 %k
-  %length.k = load i64, ptr %length.p
-  %bytes = mul i64 %bytes.k, %length.k
-  %is.long = icmp ne i64 %length.k, 1
-  %one.long = zext i1 %is.long to i64
-  %long = add i64 %long.k, %one.long
-  %k.next = add nuw i64 %k, 1
-  %more = icmp ult i64 %k.next, %count
-  br i1 %more, label %length, label %sized
-sized:
-  %empty = icmp eq i64 %bytes, 0
-  br i1 %empty, label %general, label %handled
-handled:
 {_word("get_handler")}
 {_word("handler")}
-{_word("decref")}
-  %current = call ptr %get_handler()
-  %is.default = icmp eq ptr %current, %handler
-  br i1 %is.default, label %memory, label %foreign
-foreign:
-  %is.none = icmp eq ptr %current, null
-  br i1 %is.none, label %refused, label %dropped
-dropped:
-  call void %decref(ptr %current)
-  br label %general
-memory:
 {_word("object_new")}
 {_word("raw_malloc")}
-{_word("malloc")}
-{_word("context")}
+  %count = zext i32 %axes to i64
+  %current = call ptr %get_handler()
+  %is.default = icmp eq ptr %current, %handler
+  %few = icmp ule i32 %axes, {_MOST_AXES}
+  %is.usual = and i1 %is.default, %few
+  br i1 %is.usual, label %memory, label %other
+memory:
   %block.bytes = shl nuw i64 %count, 4
   %array = call ptr %object_new(ptr %type)
   %block = call ptr %raw_malloc(i64 %block.bytes)
-  %data = call ptr %malloc(ptr %context, i64 %bytes)
   %no.array = icmp eq ptr %array, null
   %no.block = icmp eq ptr %block, null
+  %failed = or i1 %no.array, %no.block
+  br i1 %failed, label %release, label %sizes
+sizes:
+  %is.double = icmp eq i32 %number, {TYPE_NUMBER["double"]}
+  %size = select i1 %is.double, i64 8, i64 4
+  %block.steps = getelementptr i64, ptr %block, i64 %count
+  br label %axis
+axis:
+  %left = phi i64 [ %count, %sizes ], [ %j, %axis ]
+  %step = phi i64 [ %size, %sizes ], [ %bytes, %axis ]
+  %long.j = phi i64 [ 0, %sizes ], [ %long, %axis ]
+  %j = sub nuw i64 %left, 1
+  %from.j = getelementptr i64, ptr %lengths, i64 %j
+  %length = load i64, ptr %from.j
+  %to.length = getelementptr i64, ptr %block, i64 %j
+  %to.step = getelementptr i64, ptr %block.steps, i64 %j
+  store i64 %length, ptr %to.length
+  store i64 %step, ptr %to.step
+  %bytes = mul i64 %step, %length
+  %is.long = icmp ne i64 %length, 1
+  %one.long = zext i1 %is.long to i64
+  %long = add i64 %long.j, %one.long
+  %more = icmp ne i64 %j, 0
+  br i1 %more, label %axis, label %sized
+sized:
+{_word("malloc")}
+{_word("context")}
+  %empty = icmp eq i64 %bytes, 0
+  br i1 %empty, label %release, label %filled
+filled:
+  %data = call ptr %malloc(ptr %context, i64 %bytes)
   %no.data = icmp eq ptr %data, null
-  %no.rest = or i1 %no.block, %no.data
-  %failed = or i1 %no.array, %no.rest
-  br i1 %failed, label %release, label %fill
-fill:
+  br i1 %no.data, label %release, label %fields
+fields:
 {_word("track")}
 {_word("incref")}
 {_word("double")}
@@ -143,22 +143,6 @@ fill:
   %descriptor = select i1 %is.double, ptr %double, ptr %float
   %traced = call i32 %track(i32 {_TRACE_DOMAIN}, ptr %data, i64 %bytes)
   call void %incref(ptr %descriptor)
-  %block.steps = getelementptr i64, ptr %block, i64 %count
-  br label %axis
-axis:
-  %left = phi i64 [ %count, %fill ], [ %j, %axis ]
-  %step = phi i64 [ %size, %fill ], [ %step.next, %axis ]
-  %j = sub nuw i64 %left, 1
-  %from.j = getelementptr i64, ptr %lengths, i64 %j
-  %length.j = load i64, ptr %from.j
-  %to.length = getelementptr i64, ptr %block, i64 %j
-  %to.step = getelementptr i64, ptr %block.steps, i64 %j
-  store i64 %length.j, ptr %to.length
-  store i64 %step, ptr %to.step
-  %step.next = mul i64 %step, %length.j
-  %another = icmp ne i64 %j, 0
-  br i1 %another, label %axis, label %fields
-fields:
   %is.flat = icmp ule i64 %long, 1
   %made = select i1 %is.flat, i32 {_MADE | _FORTRAN}, i32 {_MADE}
 {_store("%data", DATA)}
@@ -175,22 +159,22 @@ fields:
 release:
 {_word("object_free")}
 {_word("raw_free")}
-{_word("free")}
   call void %object_free(ptr %array)
   call void %raw_free(ptr %block)
-  call void %decref(ptr %current)
-  br i1 %no.data, label %released, label %unused
-unused:
-  call void %free(ptr %context, ptr %data, i64 %bytes)
-  br label %released
-released:
-  br i1 %no.array, label %refused, label %general
-refused:  ; CPython has set an exception
-  ret ptr null
-general:
+  br label %other
+other:
+  %has.error = phi i1 [ false, %entry ], [ %no.array, %release ]
+{_word("decref")}
 {_word("array_new")}
+  call void %decref(ptr %current)
+  %is.none = icmp eq ptr %current, null
+  %is.over = or i1 %has.error, %is.none
+  br i1 %is.over, label %refused, label %general
+general:
   %slowly = call ptr %array_new({_ARGUMENTS})
   ret ptr %slowly
+refused:  ; CPython has set an exception
+  ret ptr null
 }}
 """
 """`new_array`, of the type of `PyArray_New`, and the table that it reads, which `fill` fills."""
@@ -225,14 +209,13 @@ def fill(table: int) -> None:
         table: The address of `new_array_words`.
     """
     handler, at = _default_handler()
-    context, malloc, _, _, free = (_word_at(at + _HANDLER_CONTEXT + WORD * k) for k in range(5))
+    context, malloc = (_word_at(at + _HANDLER_CONTEXT + WORD * k) for k in range(2))
     words = {
         "array_new": array_function(ARRAY_NEW),
         "get_handler": array_function(GET_HANDLER),
         "handler": handler,
         "context": context,
         "malloc": malloc,
-        "free": free,
         **{name: id(dtype) for name, dtype in NUMPY_TYPE.items()},
         **{name: c_function(function) for name, function in _C_FUNCTIONS.items()},
     }
