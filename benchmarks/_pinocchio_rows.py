@@ -52,6 +52,8 @@ ALGORITHMS = {
     "data.Ycrb[-1]": "d.Ycrb[end]",
     "cholesky.decompose": "pin.cholesky.decompose(m, d)",
     "aba": "pin.aba(m, d, q, v, tau)",
+    "crba, WORLD": "pin.crba(m, d, q, pin.Convention.WORLD)",
+    "aba, WORLD": "pin.aba(m, d, q, v, tau, pin.Convention.WORLD)",
     "aba with forces": "pin.aba(m, d, q, v, tau, fext)",
     "nonLinearEffects": "pin.nonLinearEffects(m, d, q, v)",
     "computeGeneralizedGravity": "pin.computeGeneralizedGravity(m, d, q)",
@@ -104,6 +106,9 @@ CONFIGURATIONS = {
     "dIntegrate by v": "pin.dIntegrate(m, q, v, pin.ARG1)",
     "dDifference by q1": "pin.dDifference(m, q, k, pin.ARG1)",
     "tangentMap": "pin.tangentMap(m, q)",
+    "compactTangentMap": "pin.compactTangentMap(m, q)",
+    "tangentMapProduct": "pin.tangentMapProduct(m, q, columns)",
+    "lieGroup": "pin.lieGroup(m)",
     "randomConfiguration(low, high)": "pin.randomConfiguration(m, low, high)",
     "randomConfiguration": "pin.randomConfiguration(bounded)",
     "LieGroup.integrate": "group.integrate(q, v)",
@@ -447,7 +452,8 @@ def _configuration_inputs(pin: Any, names: dict[str, Any]) -> dict[str, Any]:
     m = names["m"]
     low, high, bounded = np.full(m.nq, -1.0), np.ones(m.nq), m.copy()
     bounded.lowerPositionLimit, bounded.upperPositionLimit = low, high
-    return {"group": pin.lieGroup(m), "low": low, "high": high, "bounded": bounded}
+    made = {"group": pin.lieGroup(m), "columns": np.ones((m.nv, 3))}
+    return made | {"low": low, "high": high, "bounded": bounded}
 
 
 def _model_inputs(pin: Any, names: dict[str, Any]) -> dict[str, Any]:

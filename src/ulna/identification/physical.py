@@ -15,9 +15,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from ulna.algorithms.multibody.batch_shapes import batch_zeros
 from ulna.checks.arrays import finite_array
 from ulna.errors import InputError, ShapeError
-from ulna.typing import ArrayLike, Floats
+from ulna.typing import Array, ArrayLike, Floats
 
 _PLACES = ((0, 0), (0, 1), (1, 1), (0, 2), (1, 2), (2, 2))
 _OFF = ((0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3))
@@ -26,22 +27,26 @@ _OFF = ((0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3))
 
 def pseudo_inertia(parameters: ArrayLike) -> Floats:
     """P, (..., 4, 4), of the ten parameters (..., 10)."""
-    p = _checked_parameters("parameters", parameters)
-    tensor = np.zeros((*p.shape[:-1], 3, 3))
+    return pseudo_inertia_of(_checked_parameters("parameters", parameters))
+
+
+def pseudo_inertia_of(p: Array) -> Array:
+    """P, (..., 4, 4), of the ten parameters (..., 10), which are not looked at."""
+    tensor = batch_zeros((3, 3), p)
     for k, (i, j) in enumerate(_PLACES):
         tensor[..., i, j] = tensor[..., j, i] = p[..., 4 + k]
-    P = np.zeros((*p.shape[:-1], 4, 4))
+    P = batch_zeros((4, 4), p)
     half = 0.5 * np.trace(tensor, axis1=-2, axis2=-1)
-    P[..., :3, :3] = half[..., None, None] * np.eye(3) - tensor
+    P[..., :3, :3] = np.asarray(half)[..., None, None] * np.eye(3) - tensor
     P[..., :3, 3] = P[..., 3, :3] = p[..., 1:4]
     P[..., 3, 3] = p[..., 0]
     return P
 
 
-def parameters_of(P: Floats) -> Floats:
+def parameters_of(P: Array) -> Array:
     """The ten parameters (..., 10) of a pseudo-inertia (..., 4, 4)."""
     S = P[..., :3, :3]
-    tensor = np.trace(S, axis1=-2, axis2=-1)[..., None, None] * np.eye(3) - S
+    tensor = np.asarray(np.trace(S, axis1=-2, axis2=-1))[..., None, None] * np.eye(3) - S
     entries = [tensor[..., i, j] for i, j in _PLACES]
     return np.stack([P[..., 3, 3], P[..., 0, 3], P[..., 1, 3], P[..., 2, 3], *entries], axis=-1)
 
@@ -70,18 +75,27 @@ def log_cholesky(parameters: ArrayLike) -> Floats:
 
 def from_log_cholesky(t: ArrayLike) -> Floats:
     """The ten parameters (..., 10) of any t, (..., 10); always those of a body that can exist."""
-    U = _factor(_checked_parameters("t", t))
-    return parameters_of(U @ np.swapaxes(U, -1, -2))
+    return parameters_of(pseudo_inertia_of_factor(_checked_parameters("t", t)))
+
+
+def pseudo_inertia_of_factor(t: Array) -> Array:
+    """P, (..., 4, 4), of t, (..., 10), which is not looked at."""
+    U = _factor(t)
+    return U @ np.swapaxes(U, -1, -2)
 
 
 def log_cholesky_jacobian(t: ArrayLike) -> Floats:
     """The derivative (..., 10, 10) of the parameters by t."""
-    t = _checked_parameters("t", t)
+    return jacobian_of_factor(_checked_parameters("t", t))
+
+
+def jacobian_of_factor(t: Array) -> Array:
+    """The derivative (..., 10, 10) of the parameters by t, (..., 10), which is not looked at."""
     U = _factor(t)
     scale = np.exp(t[..., 0])
     columns = []
     for k in range(10):
-        dU = np.zeros_like(U)
+        dU = batch_zeros((4, 4), t)
         if k == 0:
             dU = U
         elif k < 4:
@@ -115,14 +129,14 @@ def nearest_physical(parameters: ArrayLike, least: float = 1e-6) -> Floats:
     return np.where(fine[..., None], _checked_parameters("parameters", parameters), changed)
 
 
-def _factor(t: Floats) -> Floats:
-    U = np.zeros((*t.shape[:-1], 4, 4))
+def _factor(t: Array) -> Array:
+    U = batch_zeros((4, 4), t)
     for i in range(3):
         U[..., i, i] = np.exp(t[..., 1 + i])
     for k, (i, j) in enumerate(_OFF):
         U[..., i, j] = t[..., 4 + k]
     U[..., 3, 3] = 1.0
-    return np.exp(t[..., 0])[..., None, None] * U
+    return np.asarray(np.exp(t[..., 0]))[..., None, None] * U
 
 
 def _checked_parameters(name: str, parameters: ArrayLike) -> Floats:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import gc
 import importlib
 import pickle
@@ -356,3 +357,25 @@ def test_data_and_copies_that_nobody_reads_go_at_once(pin: Any) -> None:
             assert gone() is None
     finally:
         gc.enable()
+
+
+def test_pairs_of_copied_geometry_models_are_their_own(pin: Any) -> None:
+    model = pin.buildSampleModelManipulator()
+    geometries = pin.buildSampleGeometryModelManipulator(model)
+    geometries.addAllCollisionPairs()
+    pairs = [tuple(pair) for pair in geometries.collisionPairs]
+    first, second, third = geometries.copy(), pin.GeometryModel(geometries), copy.copy(geometries)
+    later = first.copy()  # of one whose pairs were not asked for
+    geometries.collisionPairs[0].first = 7
+    geometries.collisionPairs[1] = pin.CollisionPair(6, 7)
+    changed = geometries.copy()
+    geometries.removeAllCollisionPairs()
+    assert [tuple(pair) for pair in changed.collisionPairs] == [(7, pairs[0][1]), (6, 7), *pairs[2:]]
+    for one in (first, second, third, later, pickle.loads(pickle.dumps(first.copy()))):
+        assert [tuple(pair) for pair in one.collisionPairs] == pairs
+        assert one.collisionPairs is one.collisionPairs
+    assert first == second != changed
+    first.collisionPairs[0] = pin.CollisionPair(pairs[0][1], pairs[0][0])
+    assert first == second
+    first.removeCollisionPair(first.collisionPairs[2])
+    assert first != second and len(first.createData().activeCollisionPairs) == len(pairs) - 1

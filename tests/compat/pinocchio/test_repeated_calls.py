@@ -51,6 +51,23 @@ def test_numbers_are_those_of_the_last_call(pin: Any, arm: Any) -> None:
         np.testing.assert_allclose(pin.rnea(model, data, q, v, a), pin.rnea(model, other, q, v, a))
 
 
+def test_calls_that_name_a_convention_follow_the_model_and_the_data(pin: Any, arm: Any) -> None:
+    model, data, states = arm
+    for convention in (pin.Convention.LOCAL, pin.Convention.WORLD):
+        for q, v, tau in np.tile(states, (5, 1, 1)):
+            model.inertias[2].mass += 0.1
+            fresh, new = model.createData(), model.createData()
+            ddq, M = pin.aba(model, data, q, v, tau, convention), pin.crba(model, data, q, convention)
+            np.testing.assert_allclose(pin.rnea(model, fresh, q, v, ddq), tau, atol=1e-9)
+            np.testing.assert_allclose(M, pin.crba(model, new, q), atol=1e-12)
+            named = pin.aba(model, data, q, v, tau, convention=convention)
+            np.testing.assert_array_equal(ddq, named)
+            if convention is pin.Convention.WORLD:
+                np.testing.assert_allclose(data.J, pin.computeJointJacobians(model, fresh, q), atol=1e-12)
+    with pytest.raises(TypeError):
+        pin.aba(model, data, q, v, tau, 3.0)
+
+
 def test_a_data_may_change_its_model(pin: Any, arm: Any) -> None:
     model, data, (state, *_) = arm
     heavy = model.copy()

@@ -157,6 +157,34 @@ def test_threads_may_share_a_table():
     assert not wrong
 
 
+_calls_around = call_cache(2, weak=1, kernel_argument=1, kernel_arguments=2)
+
+
+@repeated_calls(_calls_around)
+def sum_between(thing: Any, x: float, y: float, name: str) -> Any:
+    """A sum of two numbers between the keys."""
+    asked.append((thing, x, y, name))
+    _calls_around.add(thing.sum, 2, thing, name)
+    return thing.sum(x, y) if isinstance(x, float) else "another"
+
+
+def test_several_arguments_between_the_others_may_be_passed():
+    if not isinstance(sum_between, RepeatedCalls):
+        pytest.skip("machine code cannot be called in this way here")
+    thing: Any = Thing(3.0)
+    kernel = compile(lambda x, y: x + 2.0 * y, x=(), y=())
+    thing.sum = kernel.into(np.zeros(()), returns=(0,), otherwise=lambda *_: NotImplemented)
+    asked.clear()
+    assert [sum_between(thing, 0.5 * k, 1.0, "a") for k in range(5)] == [0.5 * k + 2.0 for k in range(5)]
+    assert len(asked) == 1
+    assert sum_between(thing, 1.0, 2.0, "b") == 5.0
+    assert sum_between(thing, 1.0, 2.0, name="b") == sum_between(thing, x=1.0, y=2.0, name="b") == 5.0
+    assert len(asked) == 4
+    assert sum_between(thing, "x", 1.0, "a") == "another"
+    with pytest.raises(TypeError):
+        sum_between(thing, 1.0, "a")
+
+
 _forms_calls = call_cache(1, weak=1)
 
 

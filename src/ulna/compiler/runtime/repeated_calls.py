@@ -2,7 +2,7 @@
 
 A function whose bound kernels belong to objects (a model, its data, the index of a frame) is called through a hash
 table. A row is keyed by the addresses of the first arguments, and holds the kernel that is bound for them. Machine code
-looks the row up and calls the kernel with the remaining arguments. The argument of the kernel may also stand between
+looks the row up and calls the kernel with the remaining arguments. The arguments of the kernel may also stand between
 the keys (a placement before the reference frame). Keys that are lists must have the same entries, too, of which the
 row has the addresses. Where there is no row, or the kernel answers NotImplemented, the function itself is called; it
 adds rows.
@@ -43,7 +43,7 @@ _MULTIPLIER = (
 )
 _WORD_MASK = 2**64 - 1
 _FIELDS = (
-    "first_arguments", "rows", "not_implemented", "call", "incref", "decref", "kernel_argument", "has_kernel_argument",
+    "first_arguments", "rows", "not_implemented", "call", "incref", "decref", "kernel_argument", "kernel_arguments",
     "lock", "unlock",  # 0 with a global lock
 )  # fmt: skip
 
@@ -70,11 +70,11 @@ entry:
 {_word("first_arguments", "i64")}
 {_word("rows")}
 {_word("kernel_argument", "i64")}
-{_word("has_kernel_argument", "i64")}
+{_word("kernel_arguments", "i64")}
   %count = and i64 %flagged, 9223372036854775807
   %plain = icmp eq ptr %keywords, null
-  %some = icmp uge i64 %count, %has_kernel_argument
-  %keys = sub i64 %count, %has_kernel_argument
+  %some = icmp uge i64 %count, %kernel_arguments
+  %keys = sub i64 %count, %kernel_arguments
   %few = icmp ult i64 %keys, %first_arguments
   %n = select i1 %few, i64 %keys, i64 %first_arguments
   %begin = and i1 %plain, %some
@@ -86,7 +86,7 @@ hash:
   br i1 %more, label %mix, label %find
 mix:
   %k.after = icmp uge i64 %k, %kernel_argument
-  %k.gap = zext i1 %k.after to i64
+  %k.gap = select i1 %k.after, i64 %kernel_arguments, i64 0
   %k.at = add nuw i64 %k, %k.gap
   %object.p = getelementptr ptr, ptr %args, i64 %k.at
   %object = load i64, ptr %object.p
@@ -109,7 +109,7 @@ compare:
   br i1 %left, label %one, label %lists
 one:
   %j.after = icmp uge i64 %j, %kernel_argument
-  %j.gap = zext i1 %j.after to i64
+  %j.gap = select i1 %j.after, i64 %kernel_arguments, i64 0
   %j.at = add nuw i64 %j, %j.gap
   %given.p = getelementptr ptr, ptr %args, i64 %j.at
   %given = load i64, ptr %given.p
@@ -221,13 +221,13 @@ class RepeatedCalls:
 class _Table:
     """The rows of one function, and what they keep alive."""
 
-    def __init__(self, first_arguments: int, kernel_argument: int | None) -> None:
-        self._to_skip, self._kernel_argument = 0, kernel_argument
+    def __init__(self, first_arguments: int, kernel_argument: int | None, kernel_arguments: int) -> None:
+        self._to_skip, self._kernel_argument, self._gap = 0, kernel_argument, kernel_arguments
         self._words = array("Q", bytes(WORD * _ROW << _BITS))
         self._references: list[Any] = [None] * (1 << _BITS)
         self.plan = array("Q", [first_arguments, self._words.buffer_info()[0], id(NotImplemented)])
         self.plan.extend(c_function(f) for f in ("PyObject_Vectorcall", "Py_IncRef", "Py_DecRef"))
-        self.plan.extend((_WORD_MASK, 0) if kernel_argument is None else (kernel_argument, 1))
+        self.plan.extend((_WORD_MASK, 0) if kernel_argument is None else (kernel_argument, kernel_arguments))
         self.plan.extend(_mutex_functions())
 
     def put(self, arguments: tuple[Any, ...], remaining: int, kernel: Any, weak: int) -> None:
@@ -235,22 +235,25 @@ class _Table:
         if self._to_skip:
             self._to_skip -= 1
             return
-        if any(type(x) is int and not x <= _LARGEST_SHARED for x in arguments[weak:]):
+        if any([type(x) is int and not x <= _LARGEST_SHARED for x in arguments[weak:]]):
             return
-        lists = [(k, x, list(x)) for k, x in enumerate(arguments) if isinstance(x, list)]
-        if lists and not has_gil():
-            return
-        total = len(arguments) + remaining  # calls with other numbers of arguments have other rows
+        count = len(arguments) + remaining
+        total = count  # calls with other numbers of arguments have other rows
         for x in arguments:
             total = (total ^ id(x) >> 4) * _MULTIPLIER & _WORD_MASK
         row = total >> 64 - _BITS
         first = row * _ROW
+        if self._has(row, count, arguments, kernel):
+            return
+        lists = [(k, x, list(x)) for k, x in enumerate(arguments) if isinstance(x, list)]
+        if lists and not has_gil():
+            return
         addresses = [id(x) for x in arguments] + [0] * (MOST_FIRST_ARGUMENTS - len(arguments))
         entries = self._entries_of(lists)
         values = array(
             "Q",
             [
-                len(arguments) + remaining + 1,
+                count + 1,
                 *addresses,
                 id(kernel),
                 entries.buffer_info()[0] if lists else 0,
@@ -265,11 +268,18 @@ class _Table:
                 _rows_with(x).add((self, row))
             self._fill(first, values)
 
+    def _has(self, row: int, count: int, arguments: tuple[Any, ...], kernel: Any) -> bool:
+        """Whether a row without lists is there already: calls with keywords find none, and add theirs again."""
+        words = self._words[row * _ROW : (row + 1) * _ROW].tolist()
+        known = words[0] == count + 1 and words[_KEYS] == id(kernel) and not words[_KEYS + 1]
+        return known and words[1 : len(arguments) + 1] == [*map(id, arguments)]
+
     def _entries_of(self, lists: list[tuple[int, Any, list[Any]]]) -> array[int]:
         """The table of the entries of lists, each with its number among the keys."""
-        words, gap = array("Q"), _WORD_MASK if self._kernel_argument is None else self._kernel_argument
+        words, begin = array("Q"), _WORD_MASK if self._kernel_argument is None else self._kernel_argument
         for k, _, entries in lists:
-            words.extend([k + (k >= gap) + 1, len(entries), *map(id, entries)])
+            place = k + (self._gap if k >= begin else 0)
+            words.extend([place + 1, len(entries), *map(id, entries)])
         words.append(0)
         return words
 
@@ -371,19 +381,24 @@ def _exchange() -> tuple[Any, Any]:
     return ctypes.PYFUNCTYPE(None, *[ctypes.c_void_p] * 4)(code.address("exchange")), code
 
 
-def call_cache(first_arguments: int, weak: int, kernel_argument: int | None = None) -> CallCache:
+def call_cache(
+    first_arguments: int, weak: int, kernel_argument: int | None = None, kernel_arguments: int = 1
+) -> CallCache:
     """A new cache for a function of `repeated_calls`.
 
     Args:
         first_arguments: How many arguments are keys, at most 4; in shorter calls all of them.
         weak: How many of the keys, from the first on, are referred to weakly.
-        kernel_argument: Position among the keys of the one argument of the kernel; None where the kernel is called with
-            all arguments after the keys.
+        kernel_argument: Position among the keys of the first argument of the kernel; None where the kernel is called
+            with all arguments after the keys.
+        kernel_arguments: How many arguments the kernel has, where they stand between the keys.
 
     Returns:
         The cache.
     """
-    return CallCache(None if _own_type() is None else _Table(first_arguments, kernel_argument), weak)
+    if _own_type() is None:
+        return CallCache(None, weak)
+    return CallCache(_Table(first_arguments, kernel_argument, kernel_arguments), weak)
 
 
 _KEEP: list[Any] = []

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from pinocchio._model.lie_group import R1, R2, R3, SE2, SE3, SO2, SO3, LieGroup, Rn, of_joint
+from pinocchio._model.lie_group import R1, R2, R3, SE2, SE3, SO2, SO3, LieGroup, Rn, blocks_of
 from pinocchio._model.model import Model
 
 __all__ = ["R1", "R2", "R3", "SE2", "SE3", "SO2", "SO3", "LieGroup", "Rn", "lieGroup"]
@@ -10,4 +10,4 @@ __all__ = ["R1", "R2", "R3", "SE2", "SE3", "SO2", "SO3", "LieGroup", "Rn", "lieG
 
 def lieGroup(model: Model) -> LieGroup:
     """The group of a model's configurations."""
-    return LieGroup(tuple(block for joint in list(model.joints)[1:] for block in of_joint(joint)._blocks))
+    return LieGroup(tuple(block for joint in list(model.joints)[1:] for block in blocks_of(joint)))

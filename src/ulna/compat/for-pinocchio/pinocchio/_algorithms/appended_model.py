@@ -276,7 +276,7 @@ def joined_geometries(made: Appended, base: SE3, models: Iterable[Any]) -> Any:
     Returns:
         The geometry model.
     """
-    from pinocchio._geometry.geometry_collection import CollisionPair
+    from pinocchio._geometry.collision_pair import CollisionPair
 
     of_part = dict(zip(made.parts, models, strict=True))
     whole = type(of_part[made.parts[0]])()

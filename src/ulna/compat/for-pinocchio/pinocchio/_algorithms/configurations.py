@@ -15,7 +15,7 @@ from pinocchio._containers.arguments import (
     checks_itself,
     wrong_model,
 )
-from pinocchio._containers.arrays import StdVec, exact, not_applicable, rows_of
+from pinocchio._containers.arrays import StdVec, exact, is_float_array, not_applicable, rows_of
 from pinocchio._containers.enums import ArgumentPosition
 from pinocchio._model.bound_kernels import BoundKernel
 from pinocchio._model.lie_group import first_or_second
@@ -262,6 +262,25 @@ def _normalized_lengths(model: CoreModel) -> Any:
     return run
 
 
+def _compact_tangent_map(model: Model) -> Any:
+    """The kernel of `compactTangentMap`."""
+    sizes, starts = getTangentToConfigurationSparsitySegment(model)
+    columns = max([_LEAST_COLUMNS, *sizes])
+
+    def build(core: CoreModel) -> Any:
+        def run(q: Array) -> Array:
+            whole = _tangent_map(core)(q)
+            rows = [
+                [*whole[i, start : start + size], *[0.0] * (columns - size)]
+                for i, (size, start) in enumerate(zip(sizes, starts, strict=True))
+            ]
+            return np.array(rows)
+
+        return run
+
+    return model._compiled_structure().compile("compact tangent map", build, q=(model.nq,))
+
+
 _OWN_KERNELS = {
     "integrate": _integration,
     "squared_distance": _squared_distances,
@@ -269,6 +288,7 @@ _OWN_KERNELS = {
     "tangent_map": lambda model: model._compiled_structure().compile(
         "tangent map", _tangent_map, q=(model.nq,)
     ),
+    "compact_tangent_map": _compact_tangent_map,
     "is_normalized": lambda model: _lengths(model, ()),
     "is_normalized_within": lambda model: _lengths(model, ("prec",)),
 }
@@ -613,7 +633,7 @@ def tangentMapProduct(model: Model, q: Any, mat_in: Any) -> Floats:
     Returns:
         Array (nq,) or (nq, n).
     """
-    return tangentMap(model, q) @ rows_of(mat_in, model.nv, "mat_in")
+    return tangentMap(model, q).dot(_rows(mat_in, model.nv))
 
 
 def tangentMapTransposeProduct(model: Model, q: Any, mat_in: Any) -> Floats:
@@ -625,25 +645,36 @@ def tangentMapTransposeProduct(model: Model, q: Any, mat_in: Any) -> Floats:
     Returns:
         Array (nv,) or (nv, n).
     """
-    return tangentMap(model, q).T @ rows_of(mat_in, model.nq, "mat_in")
+    return tangentMap(model, q).T.dot(_rows(mat_in, model.nq))
+
+
+def _rows(mat_in: Any, rows: int) -> Floats:
+    """A vector, or a matrix, of so many rows; see `rows_of`."""
+    if is_float_array(mat_in) and mat_in.ndim in (1, 2) and len(mat_in) == rows:
+        return mat_in
+    return rows_of(mat_in, rows, "mat_in")
 
 
 _LEAST_COLUMNS = 6
 """The most velocities of a joint that is not composite."""
 
 
+_compact_calls = call_cache(1, weak=1)
+
+
+@repeated_calls(_compact_calls)
+@checked
 def compactTangentMap(model: Model, q: Any) -> Floats:
     """`tangentMap` without most of its zeros: row i begins at the velocity that segment i names.
 
     Returns:
         Matrix (nq, k), zero beyond the velocities of a row's joint; k is 6, or more for composite joints of more.
     """
-    whole = tangentMap(model, q)
-    sizes, starts = getTangentToConfigurationSparsitySegment(model)
-    out = np.zeros((model.nq, max([_LEAST_COLUMNS, *sizes])))
-    for i, (size, start) in enumerate(zip(sizes, starts, strict=True)):
-        out[i, :size] = whole[i, start : start + size]
-    return out
+    result = model._compact_tangent_map(q)
+    if result is NotImplemented:
+        return _bound(model, "compact_tangent_map", exact(q, model.nq, "q"))
+    _compact_calls.add(model._compact_tangent_map, 1, model)
+    return result
 
 
 def getTangentToConfigurationSparsitySegment(model: Model) -> tuple[StdVec[int], StdVec[int]]:

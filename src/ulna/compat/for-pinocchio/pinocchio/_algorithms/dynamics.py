@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from pinocchio._algorithms.jacobians import JACOBIAN_RATES, JACOBIANS, columns, computeJointJacobians, rates
+from pinocchio._algorithms.jacobians import JACOBIAN_RATES, JACOBIANS, columns, rates
 from pinocchio._algorithms.stored_derivatives import CORIOLIS
 from pinocchio._algorithms.stored_dynamics import inverse_of_fields
 from pinocchio._containers.arguments import check_model_and_data, checks_itself
@@ -112,6 +112,11 @@ def _forward(model: CoreModel) -> Any:
     return run
 
 
+def _forward_in_world(model: CoreModel) -> Any:
+    forward, own_columns = _forward(model), columns(model)
+    return lambda q, v, tau, *F: (*forward(q, v, tau, *F), *own_columns(q))
+
+
 def _mass(model: CoreModel) -> Any:
     return lambda q: algorithms.mass_matrix(model, q)
 
@@ -199,29 +204,34 @@ def computeStaticTorque(model: Model, data: Data, q: Any, fext: Any) -> Floats:
     return run(model, data, _STATIC_TORQUE, q, *checked_forces(fext, model.njoints))
 
 
-_ABA = Algorithm(
-    "aba",
-    "qvt",
-    ("ddq", "aba a", "forward_dynamics a"),
-    with_mass(_forward),
-    (0,),
-    deferred=JOINTS | BODIES_AND_BASE | ACCELERATIONS,
-    states=("forward_dynamics", "articulated"),
-    title="aba",
-)
-_ABA_UNDER_FORCES = Algorithm(
-    "aba_under_forces",
-    "qvtf",
-    ("ddq", "aba_under_forces a", "forward_dynamics a"),
-    with_mass(_forward),
-    (0,),
-    deferred=JOINTS | BODIES_AND_BASE_UNDER_FORCES | ACCELERATIONS,
-    states=("forward_dynamics", "articulated"),
-    title="aba",
-)
+def _forward_dynamics(name: str, under_forces: bool, in_world: bool) -> Algorithm:
+    """The record of `aba` with or without forces on the joints, in one of the conventions."""
+    bodies = BODIES_AND_BASE_UNDER_FORCES if under_forces else BODIES_AND_BASE
+    return Algorithm(
+        name,
+        "qvtf" if under_forces else "qvt",
+        ("ddq", f"{name} a", "forward_dynamics a", *(JACOBIANS if in_world else ())),
+        with_mass(_forward_in_world if in_world else _forward),
+        (0,),
+        deferred=JOINTS | bodies | ACCELERATIONS,
+        states=("forward_dynamics", "articulated"),
+        title="aba",
+    )
 
 
-@fast_path(_ABA, forces=_ABA_UNDER_FORCES)
+_ABA = _forward_dynamics("aba", False, False)
+_ABA_UNDER_FORCES = _forward_dynamics("aba_under_forces", True, False)
+_ABA_IN_WORLD = _forward_dynamics("aba_in_world", False, True)
+_ABA_UNDER_FORCES_IN_WORLD = _forward_dynamics("aba_under_forces_in_world", True, True)
+_aba_calls = call_cache(3, weak=2, kernel_argument=2, kernel_arguments=3)
+
+
+@fast_path(
+    _ABA,
+    forces=_ABA_UNDER_FORCES,
+    alternative=("convention", _WORLD, _ABA_IN_WORLD),
+    other_calls=_aba_calls,
+)
 @overloads("model data q v tau convention:Convention?", "model data q v tau fext convention:Convention?")
 def aba(
     model: Model,
@@ -235,17 +245,18 @@ def aba(
     """The accelerations that torques cause (nv,); kept in `data.ddq`.
 
     Args:
-        convention: LOCAL or WORLD; the result is the same.
+        convention: LOCAL or WORLD; the result is the same, and WORLD fills `data.J`, too.
 
     Returns:
         Accelerations (nv,) [rad/s^2 or m/s^2].
     """
-    if fext is None:
-        ddq = run(model, data, _ABA, q, v, tau)
-    else:
-        ddq = run(model, data, _ABA_UNDER_FORCES, q, v, tau, *checked_forces(fext, model.njoints))
-    if convention is _WORLD:
-        computeJointJacobians(model, data, q)
+    in_world = convention is _WORLD
+    if fext is not None:
+        algorithm_ = _ABA_UNDER_FORCES_IN_WORLD if in_world else _ABA_UNDER_FORCES
+        return run(model, data, algorithm_, q, v, tau, *checked_forces(fext, model.njoints))
+    algorithm_ = _ABA_IN_WORLD if in_world else _ABA
+    ddq = run(model, data, algorithm_, q, v, tau)
+    _aba_calls.add(getattr(data._bound, algorithm_.name), 3, model, data, convention)
     return ddq
 
 
@@ -261,7 +272,10 @@ _CRBA_IN_WORLD = Algorithm(
 )
 
 
-@fast_path(_CRBA, alternative=("convention", _WORLD, _CRBA_IN_WORLD))
+_crba_calls = call_cache(3, weak=2, kernel_argument=2)
+
+
+@fast_path(_CRBA, alternative=("convention", _WORLD, _CRBA_IN_WORLD), other_calls=_crba_calls)
 def crba(model: Model, data: Data, q: Any, convention: Convention = Convention.LOCAL) -> Floats:
     """The mass matrix (nv, nv), both triangles; kept in `data.M`.
 
@@ -272,7 +286,10 @@ def crba(model: Model, data: Data, q: Any, convention: Convention = Convention.L
     Returns:
         Matrix (nv, nv).
     """
-    return run(model, data, _CRBA_IN_WORLD if convention == _WORLD else _CRBA, q)
+    algorithm_ = _CRBA_IN_WORLD if convention == _WORLD else _CRBA
+    M = run(model, data, algorithm_, q)
+    _crba_calls.add(getattr(data._bound, algorithm_.name), 1, model, data, convention)
+    return M
 
 
 @algorithm(

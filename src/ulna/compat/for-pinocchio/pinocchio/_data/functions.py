@@ -101,21 +101,25 @@ def fast_path(
     returns_field: str = "",
     returns_number: bool = False,
     calls: CallCache | None = None,
+    other_calls: CallCache | None = None,
 ) -> Callable[[Function], Function]:
     """Calls the bound kernel of an algorithm first; where that fails, the decorated function with arguments checked.
 
     Args:
         *records: Algorithms, each with one input more; the one is called whose inputs are not None.
         forces: The algorithm to call where `fext` is not None.
-        alternative: The name of a parameter, a value of it, and the algorithm to call where it has this value.
+        alternative: The name of a parameter, a value of it, and the algorithm to call where it has this value (and
+            there are no forces).
         returns_field: A field of Data to return, in place of outputs.
         returns_number: Whether the output that is returned is one number.
         calls: The cache of calls with the same model and data; None for a new one.
+        other_calls: The cache of calls that name the parameter after the inputs, which stand between its keys.
 
     Returns:
         The decorator.
     """
     calls = calls or call_cache(2, weak=2)
+    caches = [calls] if other_calls is None else [calls, other_calls]
 
     def decorate(function: Function) -> Function:
         parameters = inspect.signature(function).parameters
@@ -129,13 +133,14 @@ def fast_path(
             "alternative": (alternative or "  ")[1],
             "omitted": OMITTED,
             "calls": calls,
+            "other_calls": other_calls,
         }
         defaults = {key: parameter.default for key, parameter in parameters.items()}
         scope |= {f"default_{k}": OMITTED if x is None else x for k, x in defaults.items()}
         exec(compile(source, f"<fast path of {name}>", "exec"), scope)
         made: Any = functools.update_wrapper(scope[name], function)
         made.arguments_checked = True
-        return repeated_calls(calls)(made)
+        return repeated_calls(*caches)(made)
 
     return decorate
 
@@ -165,11 +170,7 @@ def _source(
     if forces:
         lines = _with_forces(lines, forces, inputs[-1])
     if alternative:
-        other = f"data._bound.{alternative[2].name}({', '.join(inputs[-1])})"
-        lines = [
-            *(f"if {chosen} is default_{chosen}:", *_indented(lines), f"elif {chosen} is alternative:"),
-            *(f"    result = {other}", "else:", "    result = NotImplemented"),
-        ]
+        lines = _with_alternative(lines, alternative[2], chosen, inputs[-1], "fext" if forces else "")
     lines += ["if result is not NotImplemented:", f"    return {returned}"]
     defaults = {name: "" if p.default is p.empty else f"=default_{name}" for name, p in parameters.items()}
     return [
@@ -190,6 +191,24 @@ def _with_forces(lines: list[str], forces: Algorithm, inputs: list[str]) -> list
         *("if fext is omitted:", *_indented(lines), "else:", "    try:"),
         f"        result = data._bound.{forces.name}({arguments})",
         *("    except (AttributeError, TypeError):", "        result = NotImplemented"),
+    ]
+
+
+def _with_alternative(
+    lines: list[str], other: Algorithm, chosen: str, inputs: list[str], left_out: str
+) -> list[str]:
+    """The lines, and in their place a call of another algorithm where a parameter has its other value.
+
+    Calls that name the parameter, after the inputs, are added to a cache of their own.
+    """
+    kernel = f"data._bound.{other.name}"
+    condition = f"{chosen} is alternative" + (f" and {left_out} is omitted" if left_out else "")
+    return [
+        *(f"if {chosen} is default_{chosen}:", *_indented(lines), f"elif {condition}:"),
+        f"    result = {kernel}({', '.join(inputs)})",
+        *("    if result is not NotImplemented:",),
+        f"        other_calls.add({kernel}, {len(inputs)}, model, data, {chosen})",
+        *("else:", "    result = NotImplemented"),
     ]
 
 

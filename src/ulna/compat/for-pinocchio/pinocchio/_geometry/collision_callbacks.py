@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 from pinocchio._containers.arrays import NO_INDEX, StdVec
+from pinocchio._geometry.collision_pair import CollisionPair
 from pinocchio._geometry.collisions import computeCollision
-from pinocchio._geometry.geometry_collection import CollisionPair
 from pinocchio._geometry.geometry_data import GeometryData
 from pinocchio._geometry.geometry_model import GeometryModel
 

@@ -10,7 +10,7 @@ import numpy as np
 from pinocchio._containers.arguments import ArgumentError, check_size, is_flag
 from pinocchio._containers.arrays import StdVec, index, numbers
 from pinocchio._containers.keywords import by_name
-from pinocchio._geometry.geometry_collection import CollisionPair
+from pinocchio._geometry.collision_pair import CollisionPair
 from pinocchio._geometry.geometry_data import GeometryData
 from pinocchio._geometry.geometry_model import GeometryModel
 from pinocchio._geometry.geometry_pool import GeometryPool

@@ -2,92 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
-from typing import Any, ClassVar, Self, final
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any, ClassVar, Self
 
 import numpy as np
 
 from pinocchio._containers.arguments import ArgumentError
-from pinocchio._containers.arrays import NO_INDEX, StdVec, alike, fixed, index
-from pinocchio._containers.attributes import AttributeKind, CheckedAttributes, read_only, whole
-from pinocchio._containers.files import Saved, register
+from pinocchio._containers.arrays import NO_INDEX, StdVec, alike, copies, fixed, index
+from pinocchio._containers.attributes import AttributeKind, CheckedAttributes, read_only
+from pinocchio._containers.files import Saved
 from pinocchio._containers.unknown_ids import UnknownId, known
 from pinocchio._containers.watched_lists import before_changes
+from pinocchio._geometry.collision_pair import CollisionPair, known_pairs
 from pinocchio._geometry.geometry_object import GeometryObject
 from pinocchio._model.building import KinematicTree
-from ulna.errors import InputError, excerpt
+from ulna.system import forks
 from ulna.typing import Array, Floats
 
 _new = object.__new__
-
-
-@final
-class CollisionPair(CheckedAttributes):
-    """Indices of two geometries, in any order."""
-
-    _kinds: ClassVar[Mapping[str, AttributeKind]] = {"first": whole, "second": whole}
-    __slots__ = ("first", "second")
-    first: int
-    second: int
-
-    def __init__(self, index1: int | None = None, index2: int | None = None) -> None:
-        if (
-            type(index1) is int
-            and type(index2) is int
-            and 0 <= index1 <= NO_INDEX
-            and 0 <= index2 <= NO_INDEX
-            and index1 != index2
-        ):
-            _set_first(self, index1)  # attributes that are set are checked
-            _set_second(self, index2)
-            return
-        if (index1 is None) != (index2 is None):
-            raise ArgumentError("CollisionPair was given one index; expected two, or none.")
-        both = (NO_INDEX, NO_INDEX) if index1 is None else (index1, index2)
-        self.first, self.second = (
-            index(i, NO_INDEX + 1, "geometry", "getGeometryId(name) returns one.") for i in both
-        )
-        if self.first == self.second != NO_INDEX:
-            raise InputError(f"The pair names geometry {self.first} twice; expected two of them.")
-
-    def copy(self) -> CollisionPair:
-        """A copy."""
-        out = _new(CollisionPair)
-        _set_first(out, self.first)
-        _set_second(out, self.second)
-        return out
-
-    __copy__ = copy
-
-    def __getstate__(self) -> dict[str, int]:
-        return {"first": self.first, "second": self.second}
-
-    def __setstate__(self, state: dict[str, int]) -> None:
-        self.first, self.second = state["first"], state["second"]
-
-    def _assign(self, other: CollisionPair) -> None:
-        """Takes over the indices of another one, as an entry of a list does."""
-        if not isinstance(other, CollisionPair):
-            raise ArgumentError(f"A pair was given {excerpt(repr(other))}; expected a CollisionPair.")
-        self.first, self.second = other
-
-    def __iter__(self) -> Iterator[int]:
-        return iter((self.first, self.second))
-
-    def __eq__(self, other: object) -> bool:
-        if not isinstance(other, CollisionPair):
-            return NotImplemented
-        return (other.first, other.second) in ((self.first, self.second), (self.second, self.first))
-
-    __hash__ = object.__hash__
-
-    def __str__(self) -> str:
-        return f"collision pair ({self.first},{self.second})\n"
-
-    __repr__ = __str__
-
-
-_set_first, _set_second = vars(CollisionPair)["first"].__set__, vars(CollisionPair)["second"].__set__
+_MAKING = forks.lock(forks.KERNEL)
+"""Held while the pairs of a copy are made, of which all threads are to see the same."""
 
 
 def _count(objects: GeometryList) -> None:
@@ -119,12 +53,30 @@ class GeometryCollection(CheckedAttributes, Saved):
     """The pairs to check."""
 
     def __init__(self, other: GeometryCollection | None = None) -> None:
-        source: Any = ((), ()) if other is None else (other.geometryObjects, other.collisionPairs)
-        self._take(*([one.copy() for one in part] for part in source))
+        self._keep(geometryObjects=GeometryList(() if other is None else copies(other.geometryObjects)))
+        if other is None:
+            self._keep(collisionPairs=StdVec())
+        else:
+            self.__dict__["_unmade_pairs"] = other._pairs_now()
 
-    def _take(self, objects: list[GeometryObject], pairs: list[CollisionPair]) -> None:
-        """Makes the geometries and pairs these, and no copies of them."""
-        self._keep(geometryObjects=GeometryList(objects), collisionPairs=StdVec(pairs))
+    def _pairs_now(self) -> tuple[tuple[int, int], ...]:
+        """The indices of each pair, of which a copy makes its own when it is asked for them."""
+        own = self.__dict__
+        found = own.get("_unmade_pairs")
+        if found is not None:
+            return found
+        pairs, known = own["collisionPairs"], own.get("_known_pairs")
+        if known is None or not known.is_of(pairs):
+            known = own["_known_pairs"] = known_pairs(pairs)
+        return known.indices
+
+    def _make_pairs(self) -> None:
+        """Makes the pairs of a copy."""
+        with _MAKING:
+            found = self.__dict__.get("_unmade_pairs")
+            if found is not None:  # another thread may have made them meanwhile
+                self._keep(collisionPairs=StdVec([CollisionPair._of_indices(*pair) for pair in found]))
+                del self.__dict__["_unmade_pairs"]
 
     @property
     def ngeoms(self) -> int:
@@ -228,7 +180,8 @@ class GeometryCollection(CheckedAttributes, Saved):
         return fixed(out)
 
     def __getstate__(self) -> dict[str, Any]:
-        return {name: value for name, value in self.__dict__.items() if name != "_pair_calls"}
+        self._make_pairs()
+        return {name: x for name, x in self.__dict__.items() if name not in ("_pair_calls", "_known_pairs")}
 
     def copy(self) -> Self:
         """A copy that shares the shapes."""
@@ -242,7 +195,8 @@ class GeometryCollection(CheckedAttributes, Saved):
 
     def _copied(self, copied: Callable[[GeometryObject], GeometryObject]) -> Self:
         out = _new(type(self))
-        out._take([copied(g) for g in self.geometryObjects], [p.copy() for p in self.collisionPairs])
+        objects = GeometryList([copied(g) for g in self.geometryObjects])
+        out.__dict__.update(geometryObjects=objects, _unmade_pairs=self._pairs_now())
         return out
 
     def __deepcopy__(self, memo: Any) -> Self:
@@ -251,8 +205,10 @@ class GeometryCollection(CheckedAttributes, Saved):
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, GeometryCollection):
             return NotImplemented
-        names = ("geometryObjects", "collisionPairs")
-        return all(alike(getattr(self, name), getattr(other, name)) for name in names)
+        if not alike(self.geometryObjects, other.geometryObjects):
+            return False
+        same = self._pairs_now() == other._pairs_now()
+        return same or alike(self.collisionPairs, other.collisionPairs)  # whose indices may change places
 
     __hash__ = object.__hash__
 
@@ -299,6 +255,3 @@ def pair_map(
             f"The map has shape {matrix.shape} and dtype {matrix.dtype}; expected {(count, count)} and {kind.__name__}."
         )
     return matrix if upper else matrix.T
-
-
-register(CollisionPair)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NoReturn, final
+from typing import TYPE_CHECKING, Any, final
 
 from pinocchio._containers.arguments import check_methods
 from pinocchio._containers.files import register
@@ -19,11 +19,20 @@ class GeometryModel(GeometryCollection):
         """What placements and results are written into."""
         return GeometryData(self)
 
-    def __getattr__(self, name: str) -> NoReturn:
+    if not TYPE_CHECKING:  # for type checkers the attributes are there
+
+        def __getattr__(self, name: str) -> Any:
+            if name == "collisionPairs":
+                self._make_pairs()
+                if name in self.__dict__:
+                    return self.__dict__[name]
+            raise self._no_attribute(name)
+
+    def _no_attribute(self, name: str) -> AttributeError:
         text = (
             f"'GeometryModel' object has no attribute {name!r}. {replacement_message('GeometryModel', name)}"
         )
-        raise AttributeError(text.rstrip(), name=name, obj=self)
+        return AttributeError(text.rstrip(), name=name, obj=self)
 
 
 check_methods([GeometryModel, GeometryData])

@@ -59,7 +59,8 @@ class KernelCache(LiveParameters):
     _structure: CompiledModel | None = None
     _integrate = _difference = _distance = _normalize = _interpolate = staticmethod(not_applicable)
     _squared_distance = _is_same = _random = _random_within_own_limits = staticmethod(not_applicable)
-    _tangent_map = _is_normalized = _is_normalized_within = staticmethod(not_applicable)
+    _tangent_map = _compact_tangent_map = staticmethod(not_applicable)
+    _is_normalized = _is_normalized_within = staticmethod(not_applicable)
     _integrate_derivatives = _difference_derivatives = (not_applicable,) * 3
     """By the first argument, by the second, and by both."""
     _total_mass: Any = staticmethod(not_applicable)
@@ -176,6 +177,7 @@ _BOUND = (
         "_squared_distance",
         "_is_same",
         "_tangent_map",
+        "_compact_tangent_map",
         "_is_normalized",
         "_is_normalized_within",
         "_integrate_derivatives",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from typing import Any, final
 
 import numpy as np
@@ -9,7 +10,6 @@ import numpy as np
 from pinocchio._containers.arguments import ArgumentError, WrongShape, check_size, is_index
 from pinocchio._containers.arrays import exact, not_applicable, numbers, vector
 from pinocchio._containers.enums import ArgumentPosition
-from pinocchio._model.bound_kernels import BoundKernel
 from pinocchio._model.joint_base import JointBase
 from pinocchio._model.quaternion_signs import quaternion_starts, with_continuous_signs
 from pinocchio._spatial.random_numbers import generator
@@ -18,7 +18,11 @@ from ulna.errors import InputError, excerpt
 from ulna.model import Circle, Composite, FreeFlyer, JointKind, PlanarCircle, Prismatic, Spherical
 from ulna.typing import Floats
 
-_kernels: dict[tuple[str, str], Any] = {}
+_calls: dict[tuple[str, str], tuple[Any, ...]] = {}
+"""Bound kernels by the name of a group and of a function, one for each of its results."""
+_asked: dict[tuple[str, str], int] = {}
+_FIRST_CALLS = 10
+"""How many calls for the first group compile nothing, of functions that take long to compile."""
 _Block = tuple[str, tuple[JointKind, ...]]
 
 
@@ -32,12 +36,11 @@ class LieGroup:
                 f"LieGroup was given {blocks!r}; expected nothing: pinocchio.liegroups.SE3() makes one."
             )
         self._blocks = blocks
-        self._name = " x ".join(name for name, _ in blocks)
-        self._integrate = self._difference = self._squared_distance = not_applicable
-        kinds = tuple(kind for _, part in blocks for kind in part)
-        self._kind: JointKind | None = None
-        if kinds:
-            self._kind = kinds[0] if len(kinds) == 1 else Composite(kinds)
+        self._name, self._kind, self._nq, self._nv = _name_and_kind(blocks)
+
+    _integrate = _difference = _squared_distance = _interpolate = (not_applicable,)
+    _normalize = _tangent_map = (not_applicable,)
+    _integrate_derivatives = _difference_derivatives = (not_applicable,) * 2
 
     @property
     def name(self) -> str:
@@ -47,12 +50,12 @@ class LieGroup:
     @property
     def nq(self) -> int:
         """How many numbers a point has."""
-        return 0 if self._kind is None else self._kind.nq
+        return self._nq
 
     @property
     def nv(self) -> int:
         """How many numbers a tangent vector has."""
-        return 0 if self._kind is None else self._kind.nv
+        return self._nv
 
     @property
     def neutral(self) -> Floats:
@@ -69,7 +72,7 @@ class LieGroup:
         Returns:
             Point (nq,).
         """
-        reached = self._integrate(q, v)
+        reached = self._integrate[0](q, v)
         return self._bound("integrate", q=q, v=v) if reached is NotImplemented else reached
 
     def difference(self, q0: Any, q1: Any) -> Floats:
@@ -81,7 +84,7 @@ class LieGroup:
         Returns:
             Tangent vector (nv,).
         """
-        result = self._difference(q0, q1)
+        result = self._difference[0](q0, q1)
         return self._bound("difference", q0=q0, q1=q1) if result is NotImplemented else result
 
     def interpolate(self, q0: Any, q1: Any, u: float) -> Floats:
@@ -94,9 +97,8 @@ class LieGroup:
         Returns:
             Point (nq,).
         """
-        return np.array(
-            self._nonempty_kind.interpolate(vector(q0, self.nq, "q0"), vector(q1, self.nq, "q1"), u)
-        )
+        result = self._interpolate[0](q0, q1, float(u) if type(u) is int else u)
+        return self._bound("interpolate", q0=q0, q1=q1, u=u) if result is NotImplemented else result
 
     def squaredDistance(self, q0: Any, q1: Any) -> float:
         """The squared length of the difference.
@@ -107,7 +109,7 @@ class LieGroup:
         Returns:
             The squared length [rad^2 or m^2].
         """
-        result = self._squared_distance(q0, q1)
+        result = self._squared_distance[0](q0, q1)
         return float(self._bound("squared_distance", q0=q0, q1=q1) if result is NotImplemented else result)
 
     def distance(self, q0: Any, q1: Any) -> float:
@@ -130,7 +132,12 @@ class LieGroup:
         Raises:
             ArgumentError: It cannot be changed in place: it is a list, read-only, or of other numbers.
         """
-        unit = self._nonempty_kind.normalize(vector(q, self.nq, "q"))
+        unit = self._normalize[0](q)
+        if unit is NotImplemented:
+            unit = self._bound("normalize", q=q)
+        elif q.flags.writeable:
+            q[:] = unit
+            return
         if not isinstance(q, np.ndarray) or q.dtype != float or not q.flags.writeable:
             raise ArgumentError(
                 f"`q` is {excerpt(repr(q))}; expected an array of floats that can be changed in place: "
@@ -167,8 +174,9 @@ class LieGroup:
         Returns:
             Matrix (nv, nv).
         """
-        both = self._nonempty_kind.integrate_derivatives(vector(q, self.nq, "q"), vector(v, self.nv, "v"))
-        return np.array(both[first_or_second(argument_position)])
+        which = first_or_second(argument_position)
+        result = self._integrate_derivatives[which](q, v)
+        return self._bound("integrate_derivatives", which, q=q, v=v) if result is NotImplemented else result
 
     def dIntegrate_dq(self, q: Any, v: Any, *factor: Any) -> Floats:
         """The derivative (nv, nv) of `integrate` by q, or its product with a matrix.
@@ -222,15 +230,16 @@ class LieGroup:
         Returns:
             The derivative (nv, nv), or the product.
         """
-        both = self._nonempty_kind.difference_derivatives(
-            vector(q0, self.nq, "q0"), vector(q1, self.nq, "q1")
-        )
-        return _product(np.array(both[first_or_second(argument_position)]), factor)
+        which = first_or_second(argument_position)
+        result = self._difference_derivatives[which](q0, q1)
+        if result is NotImplemented:
+            result = self._bound("difference_derivatives", which, q0=q0, q1=q1)
+        return _product(result, factor)
 
     def tangentMap(self, q: Any) -> Floats:
         """The matrix (nq, nv) from tangent vectors at q to changes of its entries."""
-        at = vector(q, self.nq, "q")
-        return np.stack([self._nonempty_kind.coordinate_rates(at, unit) for unit in np.eye(self.nv)], axis=1)
+        result = self._tangent_map[0](q)
+        return self._bound("tangent_map", q=q) if result is NotImplemented else result
 
     def tangentMapProduct(self, q: Any, mat_in: Any) -> Floats:
         """`tangentMap` times a matrix (nv, n).
@@ -242,7 +251,7 @@ class LieGroup:
         Returns:
             Matrix (nq, n).
         """
-        return self.tangentMap(q) @ numbers(mat_in, "mat_in")
+        return self.tangentMap(q).dot(numbers(mat_in, "mat_in"))
 
     def tangentMapTransposeProduct(self, q: Any, mat_in: Any) -> Floats:
         """`tangentMap` transposed times a matrix (nq, n).
@@ -254,24 +263,32 @@ class LieGroup:
         Returns:
             Matrix (nv, n).
         """
-        return self.tangentMap(q).T @ numbers(mat_in, "mat_in")
+        return self.tangentMap(q).T.dot(numbers(mat_in, "mat_in"))
 
-    def _bound(self, name: str, **points: Any) -> Any:
-        """Calls the kind's function of that name, and binds its kernel where none was bound."""
-        sizes = {key: self.nv if key == "v" else self.nq for key in points}
-        arrays = [exact(x, sizes[key], key) for key, x in points.items()]
-        key = self._name, name
-        if key not in _kernels:
-            shapes: dict[str, Any] = {key: (size,) for key, size in sizes.items()}
-            function, starts = (
-                getattr(self._nonempty_kind, name),
-                quaternion_starts([(0, self._nonempty_kind)]),
-            )
-            if name == "integrate" and starts:
-                function = with_continuous_signs(function, starts)
-            _kernels[key] = BoundKernel(compile_function(function, **shapes)).call
-        setattr(self, f"_{name}", _kernels[key])
-        return _kernels[key](*arrays)
+    def _bound(self, name: str, which: int = 0, **points: Any) -> Any:
+        """Calls the kind's function of that name for its result `which`, and binds its kernels where none were bound.
+
+        Args:
+            name: The name.
+            which: The number of the result.
+            **points: Its arguments by their names.
+
+        Returns:
+            The result.
+        """
+        kind = self._nonempty_kind
+        sizes = {key: 0 if key == "u" else self.nv if key == "v" else self.nq for key in points}
+        arrays = [x if key == "u" else exact(x, sizes[key], key) for key, x in points.items()]
+        key, function = (self._name, name), _function(kind, name)
+        if key not in _calls:
+            asked = _asked[key] = _asked.get(key, 0) + 1
+            if name not in _COMPILED_AT_ONCE and asked <= _FIRST_CALLS:
+                return _result(function(*arrays), which)
+            shapes: dict[str, Any] = {key: () if key == "u" else (size,) for key, size in sizes.items()}
+            _calls[key] = _bound_to_each_result(compile_function(function, **shapes))
+        setattr(self, f"_{name}", _calls[key])
+        result = _calls[key][which](*arrays)
+        return _result(function(*arrays), which) if result is NotImplemented else result
 
     def __reduce__(self) -> Any:
         return LieGroup, (self._blocks,)
@@ -294,6 +311,42 @@ class LieGroup:
 
     def __repr__(self) -> str:
         return f"<LieGroup {self.name}>"
+
+
+@functools.lru_cache(maxsize=256)
+def _name_and_kind(blocks: tuple[_Block, ...]) -> tuple[str, JointKind | None, int, int]:
+    """The name of a group, the kind of joint that it is the group of (None for none), and its nq and nv."""
+    kinds = tuple(kind for _, part in blocks for kind in part)
+    kind = None if not kinds else kinds[0] if len(kinds) == 1 else Composite(kinds)
+    nq, nv = (0, 0) if kind is None else (kind.nq, kind.nv)
+    return " x ".join(name for name, _ in blocks), kind, nq, nv
+
+
+_COMPILED_AT_ONCE = ("integrate", "difference", "squared_distance")
+
+
+def _function(kind: JointKind, name: str) -> Any:
+    """The function of a kind of joint by its name in `LieGroup._bound`."""
+    if name == "tangent_map":
+        units = np.eye(kind.nv)
+        return lambda q: np.stack([kind.coordinate_rates(q, unit) for unit in units], axis=1)
+    function: Any = getattr(kind, name)
+    starts = quaternion_starts([(0, kind)]) if name == "integrate" else ()
+    return with_continuous_signs(function, starts) if starts else function
+
+
+def _result(results: Any, which: int) -> Floats:
+    """One of the results of a function."""
+    return np.array(results[which] if isinstance(results, tuple) else results)
+
+
+def _bound_to_each_result(kernel: Any) -> tuple[Any, ...]:
+    """For each result of a kernel, the kernel bound to return it."""
+    shapes = [output.shape for output in kernel.function.outputs]
+    return tuple(
+        kernel.into(*map(np.zeros, shapes), returns=(k,), otherwise=not_applicable)
+        for k in range(len(shapes))
+    )
 
 
 def first_or_second(position: Any) -> int:
@@ -356,16 +409,22 @@ def SE3() -> LieGroup:
 
 def of_joint(joint: JointBase) -> LieGroup:
     """The group of a joint's configurations."""
-    if joint.kind is None or joint.nv == 0:
-        return LieGroup()
+    return LieGroup(blocks_of(joint))
+
+
+def blocks_of(joint: JointBase) -> tuple[_Block, ...]:
+    """What the group of a joint's configurations is the product of."""
+    return () if joint.kind is None or joint.nv == 0 else _blocks_of_kind(joint.kind, joint.nv)
+
+
+@functools.lru_cache(maxsize=256)
+def _blocks_of_kind(kind: JointKind, nv: int) -> tuple[_Block, ...]:
     groups: dict[type, Any] = {Circle: SO2, Spherical: SO3, PlanarCircle: SE2, FreeFlyer: SE3}
-    kinds = joint.kind.kinds if isinstance(joint.kind, Composite) else (joint.kind,)
-    if all(type(kind) not in groups for kind in kinds):
-        return Rn(joint.nv)
-    out = LieGroup()
-    for kind in kinds:
-        out = out * (groups[type(kind)]() if type(kind) in groups else Rn(kind.nv))
-    return out
+    kinds = kind.kinds if isinstance(kind, Composite) else (kind,)
+    if all(type(part) not in groups for part in kinds):
+        return Rn(nv)._blocks
+    parts = [groups[type(part)]() if type(part) in groups else Rn(part.nv) for part in kinds]
+    return tuple(block for part in parts for block in part._blocks)
 
 
 def _product(derivative: Floats, factor: tuple[Any, ...]) -> Floats:

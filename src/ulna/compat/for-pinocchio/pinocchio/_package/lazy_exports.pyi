@@ -54,6 +54,7 @@ from pinocchio._geometry.broadphase import CollisionObject as CollisionObject
 from pinocchio._geometry.collision_callbacks import CollisionCallBackBase as CollisionCallBackBase
 from pinocchio._geometry.collision_callbacks import CollisionCallBackCollect as CollisionCallBackCollect
 from pinocchio._geometry.collision_callbacks import CollisionCallBackDefault as CollisionCallBackDefault
+from pinocchio._geometry.collision_pair import CollisionPair as CollisionPair
 from pinocchio._geometry.collisions import computeBodyRadius as computeBodyRadius
 from pinocchio._geometry.collisions import computeCollision as computeCollision
 from pinocchio._geometry.collisions import computeCollisions as computeCollisions
@@ -62,7 +63,6 @@ from pinocchio._geometry.collisions import computeContactPatch as computeContact
 from pinocchio._geometry.collisions import computeContactPatches as computeContactPatches
 from pinocchio._geometry.collisions import computeDistance as computeDistance
 from pinocchio._geometry.collisions import computeDistances as computeDistances
-from pinocchio._geometry.geometry_collection import CollisionPair as CollisionPair
 from pinocchio._geometry.geometry_data import GeometryData as GeometryData
 from pinocchio._geometry.geometry_model import GeometryModel as GeometryModel
 from pinocchio._geometry.geometry_object import GeometryObject as GeometryObject

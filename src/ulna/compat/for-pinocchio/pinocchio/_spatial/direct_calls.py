@@ -244,6 +244,10 @@ def _quaternions() -> None:
     )
     vectors = SMALL.row("quaternion between vectors", np.ndarray, np.ndarray, holder=Quaternion)
     _direct(Quaternion, "FromTwoVectors", vectors)
+    own_vectors = SMALL.row(
+        "quaternion set between vectors", Quaternion, np.ndarray, np.ndarray, holder=Quaternion
+    )
+    _changes(Quaternion, "setFromTwoVectors", own_vectors)
     slerp = SMALL.row("quaternion slerp", Quaternion, float, Quaternion, holder=Quaternion)
     _direct(Quaternion, "slerp", slerp)
 
@@ -257,6 +261,9 @@ def _symmetric_matrices() -> None:
     _direct(Symmetric3, "matrix", SMALL.row("symmetric matrix", Symmetric3))
     _direct(Symmetric3, "rotate", Symmetric3._made.row("rotated", Symmetric3, np.ndarray))
     _direct(Symmetric3, "vtiv", SMALL.row("symmetric square", Symmetric3, np.ndarray, holder=float))
+    for name in ("vxs", "svx"):
+        row = SMALL.row(f"symmetric {name}", np.ndarray, Symmetric3)
+        _direct(Symmetric3, name, row)
     _direct(Symmetric3, "Zero", copies_of(np.zeros(6), Symmetric3))
     _direct(Symmetric3, "Identity", copies_of(Symmetric3.Identity()._d, Symmetric3))
 

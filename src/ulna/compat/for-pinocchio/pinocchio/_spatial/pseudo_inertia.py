@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import inspect
+from collections.abc import Callable
 from typing import Any, final
 
 import numpy as np
@@ -10,14 +12,19 @@ from pinocchio._containers.arguments import ArgumentError
 from pinocchio._containers.arrays import matrix, real, text, vector
 from pinocchio._containers.files import registered
 from pinocchio._containers.keywords import by_name
+from pinocchio._spatial.bound_functions import BoundFunctions, Row, called_directly
+from pinocchio._spatial.small_kernels import body, finite, inertia_of_parameters
 from ulna.identification.physical import (
     from_log_cholesky,
+    jacobian_of_factor,
     log_cholesky,
     log_cholesky_jacobian,
     parameters_of,
     pseudo_inertia,
+    pseudo_inertia_of,
+    pseudo_inertia_of_factor,
 )
-from ulna.typing import Floats
+from ulna.typing import Array, Floats
 
 
 def _parameters_of(inertia: Any) -> Floats:
@@ -34,7 +41,7 @@ def _parameters_of(inertia: Any) -> Floats:
 class _BodyParameters:
     """Parameters of a body that are equivalent to an Inertia, stored in one array."""
 
-    __slots__ = ("_p",)
+    __slots__ = ()
     _p: Floats
 
     def __init__(self, *parts: Any) -> None:
@@ -50,7 +57,9 @@ class _BodyParameters:
 
     def copy(self) -> Any:
         """A copy."""
-        return type(self)(self)
+        out = object.__new__(type(self))
+        out._p = self._p.copy()
+        return out
 
     __copy__ = cast = copy
 
@@ -61,7 +70,7 @@ class _BodyParameters:
         return type(self), (self._p.copy(),)
 
     def __eq__(self, other: object) -> bool:
-        return np.array_equal(self._p, other._p) if isinstance(other, type(self)) else NotImplemented
+        return self._p.tolist() == other._p.tolist() if isinstance(other, type(self)) else NotImplemented
 
     __hash__ = object.__hash__
 
@@ -70,7 +79,7 @@ class _BodyParameters:
 class PseudoInertia(_BodyParameters):
     """`PseudoInertia(mass, h, sigma)`: kg, mass times centre of mass [kg m], second moments [kg m^2]; or its matrix."""
 
-    __slots__ = ()
+    __slots__ = ("_p",)
 
     @by_name("mass h sigma", "clone")
     def __init__(self, *parts: Any) -> None:
@@ -155,7 +164,7 @@ class PseudoInertia(_BodyParameters):
 class LogCholeskyParameters(_BodyParameters):
     """Ten numbers without bounds, alpha d1 d2 d3 s12 s23 s13 t1 t2 t3; every choice is a body that can exist."""
 
-    __slots__ = ()
+    __slots__ = ("_p",)
 
     @by_name("log_cholesky_parameters", "clone")
     def __init__(self, log_cholesky_parameters: Any) -> None:
@@ -199,3 +208,52 @@ class LogCholeskyParameters(_BodyParameters):
         return "\n".join(f"  {name}: {value:.6g}" for name, value in zip(names, self._p, strict=True))
 
     __repr__ = __str__
+
+
+def _where_finite(function: Callable[[Array], Array]) -> Callable[[Array], tuple[Array, Any]]:
+    """A function, and whether its argument is finite: the message about what is not comes from the methods."""
+    return lambda x: (function(x), finite(x))
+
+
+def _of_pseudo_inertia(P: Array) -> Array:
+    return inertia_of_parameters(parameters_of(P))
+
+
+_MADE = BoundFunctions(
+    {
+        "pseudo parameters": (parameters_of, (4, 4)),
+        "pseudo inertia": (_of_pseudo_inertia, (4, 4)),
+        "pseudo of body": (_where_finite(lambda p: pseudo_inertia_of(body(p).parameters())), (13,)),
+        "pseudo of parameters": (_where_finite(pseudo_inertia_of), (10,)),
+        "parameters": (_where_finite(lambda t: parameters_of(pseudo_inertia_of_factor(t))), (10,)),
+        "body": (_where_finite(lambda t: _of_pseudo_inertia(pseudo_inertia_of_factor(t))), (10,)),
+        "pseudo": (_where_finite(pseudo_inertia_of_factor), (10,)),
+        "jacobian": (_where_finite(jacobian_of_factor), (10,)),
+    }
+)
+
+
+def _direct(kind: Any, name: str, row: Row) -> None:
+    """Has a method called without running Python where its arguments are of a row's types."""
+    member = inspect.getattr_static(kind, name)
+    if isinstance(member, staticmethod):
+        setattr(kind, name, staticmethod(called_directly(member.__func__, row)))
+    else:
+        setattr(kind, name, called_directly(member, row, is_method=True))
+
+
+_Inertia = registered("Inertia")
+for _kind, _name, _function, _holder in (
+    (PseudoInertia, "toDynamicParameters", "pseudo parameters", None),
+    (PseudoInertia, "toInertia", "pseudo inertia", _Inertia),
+    (LogCholeskyParameters, "toDynamicParameters", "parameters", None),
+    (LogCholeskyParameters, "toInertia", "body", _Inertia),
+    (LogCholeskyParameters, "toPseudoInertia", "pseudo", PseudoInertia),
+    (LogCholeskyParameters, "calculateJacobian", "jacobian", None),
+):
+    _direct(_kind, _name, _MADE.row(_function, _kind, holder=_holder))
+_of_body = _MADE.row("pseudo of body", _Inertia, holder=PseudoInertia)
+_direct(PseudoInertia, "FromInertia", _of_body)
+_direct(_Inertia, "toPseudoInertia", _of_body)
+_of_parameters = _MADE.row("pseudo of parameters", np.ndarray, holder=PseudoInertia)
+_direct(PseudoInertia, "FromDynamicParameters", _of_parameters)

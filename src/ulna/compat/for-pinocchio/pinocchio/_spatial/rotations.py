@@ -385,7 +385,9 @@ class AngleAxis(CheckedAttributes):
 
     def inverse(self) -> AngleAxis:
         """The rotation back."""
-        return AngleAxis(-self.angle, self.axis)
+        out = object.__new__(AngleAxis)
+        out.__dict__.update(angle=-self.angle, axis=self.axis.copy())
+        return out
 
     def isApprox(self, other: AngleAxis, prec: float = 1e-12) -> bool:
         """Whether angle and axis agree.
@@ -402,7 +404,7 @@ class AngleAxis(CheckedAttributes):
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, AngleAxis):
             return NotImplemented
-        return self.angle == other.angle and np.array_equal(self.axis, other.axis)
+        return self.angle == other.angle and self.axis.tolist() == other.axis.tolist()
 
     __hash__ = object.__hash__
 

@@ -97,10 +97,11 @@ def spread(d: Array) -> Array:
 
 
 def _difference(p: Array, o: Array) -> Array:
-    return _from_parameters(body(p).parameters() - body(o).parameters())
+    return inertia_of_parameters(body(p).parameters() - body(o).parameters())
 
 
-def _from_parameters(d: Array) -> Array:
+def inertia_of_parameters(d: Array) -> Array:
+    """The inertia (13,) of m, m c, Ixx, Ixy, Iyy, Ixz, Iyz, Izz about the origin, (10,) [kg, kg m, kg m^2]."""
     mass, (xx, xy, yy, xz, yz, zz) = d[0], d[4:]
     com = _lever(d[1:4], mass)
     about_origin: Any = matrix([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
@@ -265,6 +266,12 @@ def truth_within(excess: Any) -> Any:
 _LEAST, _MOST = 5e-324, 1e308
 
 
+def finite(x: Array) -> Any:
+    """Above zero where all entries of an array are finite, and not too large to be added up."""
+    total: Any = reduce(lambda a, b: a + b, [abs(entry) for entry in x.reshape(-1)])
+    return where(less(total, _MOST), 1.0, 0.0)
+
+
 def equality(a: Array, b: Array) -> Any:
     """Whether all entries are equal.
 
@@ -351,7 +358,7 @@ _FUNCTIONS: dict[str, tuple[Any, ...]] = {
         _V,
     ),
     "inertia parameters": (lambda p: body(p).parameters(), _P),
-    "inertia of parameters": (_from_parameters, (10,)),
+    "inertia of parameters": (inertia_of_parameters, (10,)),
     "quaternion product": (spatial.quat_multiply, _Q, _Q),
     "quaternion point": (lambda q, x: spatial.quat_xyzw_to_matrix(q) @ x, _Q, _X),
     "quaternion matrix": (spatial.quat_xyzw_to_matrix, _Q),
@@ -366,6 +373,7 @@ _FUNCTIONS: dict[str, tuple[Any, ...]] = {
     "quaternion dot": (lambda q, r: q @ r, _Q, _Q),
     "quaternion agreement": (lambda q, r: truth_within(_norm(q - r) - 1e-12), _Q, _Q),
     "quaternion between vectors": (between, _X, _X),
+    "quaternion set between vectors": (lambda q, u, v: between(u, v), _Q, _X, _X),
     "classic acceleration": (_classic, _V, _V),
     "classic acceleration at a placement": (_classic_at, _V, _V, _M),
     "power": (lambda v, f: v @ f, _V, _V),
@@ -374,6 +382,8 @@ _FUNCTIONS: dict[str, tuple[Any, ...]] = {
     "turn": (spatial.angle_axis_to_matrix, (), _X),
     "symmetric matrix": (symmetric, _V),
     "symmetric product": (lambda d, x: symmetric(d) @ x, _V, _X),
+    "symmetric vxs": (lambda v, d: skew(v) @ symmetric(d), _X, _V),
+    "symmetric svx": (lambda v, d: symmetric(d) @ skew(v), _X, _V),
     "symmetric square": (lambda d, x: x @ (symmetric(d) @ x), _V, _X),
 }
 SIX_NUMBERS: dict[str, tuple[Any, ...]] = {
