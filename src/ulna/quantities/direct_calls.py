@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import threading
 import types
-from contextlib import suppress
 
 from ulna.quantities.documentation import OF_CALLS
 from ulna.quantities.quantity import GENERATED
+from ulna.system.later import run_later
 
 THREAD = "ulna method calls"
 """The name of the thread that compiles what all methods share, where it is not in the cache yet."""
@@ -28,10 +27,7 @@ def call_directly(kind: type, name: str, kernels_type: type) -> None:
     if method_call.is_ready():
         _replace(kind, name, kernels_type)
     else:
-        arguments = kind, name, kernels_type
-        thread = threading.Thread(target=_replace, args=arguments, name=THREAD, daemon=True)
-        with suppress(RuntimeError):  # where no thread can be started, the function stays
-            thread.start()
+        run_later(THREAD, _replace, kind, name, kernels_type)
 
 
 def _replace(kind: type, name: str, kernels_type: type) -> None:

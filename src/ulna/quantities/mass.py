@@ -16,6 +16,7 @@ from ulna.errors import ModelError, ModelWarning
 from ulna.model import Model
 from ulna.numeric import is_symbolic
 from ulna.quantities.deferred_algorithms import algorithms
+from ulna.typing import Floats
 
 MASS_PARAMETERS = frozenset({"placement", "shift", "offset", "inertia", "armature"})
 """Parameters of a model (see `ulna.model.parameters`) that the inverse of its mass matrix depends on."""
@@ -90,9 +91,8 @@ class _Conditioning(NamedTuple):
 
 @lru_cache(maxsize=32)
 def _worst(model: Model) -> _Conditioning:
-    """The conditioning at the neutral, the named, and a drawn configuration."""
-    drawn = np.random.default_rng(0).uniform(-1.0, 1.0, model.nv)
-    generic = conditioning.conditioning(model, algorithms.integrate(model, model.neutral, drawn))
+    """The conditioning at the neutral, the named, and a generic configuration."""
+    generic = conditioning.conditioning(model, _generic_configuration(model))
     candidates = [(generic, "")]
     if not generic.loose:
         places = {"the neutral configuration": model.neutral}
@@ -104,10 +104,17 @@ def _worst(model: Model) -> _Conditioning:
 
 @lru_cache(maxsize=32)
 def _by_pivots(model: Model) -> _Conditioning:
-    """The conditioning of a large model at a drawn configuration, estimated from its pivots."""
-    drawn = np.random.default_rng(0).uniform(-1.0, 1.0, model.nv)
-    estimate = conditioning_by_pivots(model, algorithms.integrate(model, model.neutral, drawn))
+    """The conditioning of a large model at a generic configuration, estimated from its pivots."""
+    estimate = conditioning_by_pivots(model, _generic_configuration(model))
     return _Conditioning(estimate, estimate, "")
+
+
+def _generic_configuration(model: Model) -> Floats:
+    """A configuration (nq,) [rad, m] off the neutral one, each joint by another number from -1 to 1.
+
+    These are no random numbers, since `numpy.random` takes 10 ms to import.
+    """
+    return algorithms.integrate(model, model.neutral, np.cos(np.arange(1.0, model.nv + 1.0) ** 2))
 
 
 _warned: set[tuple[str, str]] = set()

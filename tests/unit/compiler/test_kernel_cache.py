@@ -358,7 +358,7 @@ def test_processes_that_fill_the_cache_at_once_agree(place):
         process.join(600)
     assert [p.exitcode for p in children] == [0] * 4
     assert failures.empty()
-    assert len(entries(place)) == (18 if FAST else 9)  # the codes of each kernel, and what all share
+    assert len(entries(place)) == (19 if FAST else 9)  # the codes of each kernel, and what all share
     assert [p for p in place.iterdir() if p.name.startswith("new-")] == []
 
 

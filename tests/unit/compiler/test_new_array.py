@@ -9,12 +9,13 @@ import pickle
 import sys
 import tracemalloc
 import weakref
+from typing import Any
 
 import numpy as np
 import pytest
 
 from ulna.compiler import compile, trace
-from ulna.compiler.runtime import gufunc, new_array
+from ulna.compiler.runtime import entry_point, gufunc, new_array
 from ulna.compiler.runtime.object_layout import ARRAY_NEW, TYPE_NUMBER, array_function
 
 pytestmark = pytest.mark.skipif(not new_array.works(), reason="NumPy makes the arrays here")
@@ -41,6 +42,25 @@ def handler_of(array: np.ndarray) -> str:
 
 def test_kernels_make_their_arrays_so():
     assert gufunc._array_new() != array_function(ARRAY_NEW)
+
+
+def test_the_first_kernel_of_an_empty_cache_does_not_wait_for_it(monkeypatch, tmp_path):
+    def maker(kernel: Any) -> int:
+        return ctypes.c_uint64.from_address(id(kernel) + entry_point.NEW).value
+
+    monkeypatch.setenv("ULNA_CACHE", str(tmp_path / "kernels"))
+    monkeypatch.setattr(gufunc, "_made_by_numpy", [])
+    later: list[Any] = []
+    monkeypatch.setattr(gufunc, "run_later", lambda name, work: later.append(work))
+    gufunc._array_new.cache_clear()
+    first = compile(lambda x: 2.0 * x, x=(3,))
+    assert first(np.ones(3)).tolist() == [2.0] * 3
+    assert maker(first) == array_function(ARRAY_NEW)
+    second = compile(lambda x: 3.0 * x, x=(3,))
+    (work,) = later
+    work()
+    assert maker(first) == maker(second) == gufunc._array_new() != array_function(ARRAY_NEW)
+    assert first(np.ones(3)).tolist() == [2.0] * 3
 
 
 @pytest.mark.parametrize("element", ["double", "float"])

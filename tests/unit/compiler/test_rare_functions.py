@@ -9,7 +9,8 @@ from ulna import disk_cache
 from ulna.compiler import compile
 from ulna.compiler.codegen.payne_hanek import NAME
 from ulna.compiler.codegen.rare_functions import rare_functions_of, with_rare_functions_apart
-from ulna.compiler.runtime import jit
+from ulna.compiler.runtime import gufunc, jit
+from ulna.compiler.runtime.kernel import native_type
 
 HUGE = np.array([2.0**25, -1e17, 1e300, np.inf])
 DEFINITION = f"@{NAME}(double %x)"
@@ -102,3 +103,16 @@ define void @f(ptr %p) nounwind {
     constant = variable.replace("global i64", "constant i64")
     apart, modules = with_rare_functions_apart(constant)
     assert list(modules) == rare_functions_of(apart.encode()) and "@rare(" not in apart
+
+
+@pytest.mark.skipif(native_type() is None, reason="kernels are not called by machine code here")
+def test_calls_with_out_are_compiled_at_the_first_of_them(modules):
+    gufunc._fast_call.cache_clear()
+    kernel = compile(lambda x: 2.0 * x, x=(4,))
+    x, y = np.arange(4.0), np.zeros(4)
+    assert kernel(x).tolist() == [0.0, 2.0, 4.0, 6.0]
+    assert not any("@with_out" in ir for ir in modules)
+    for _ in range(2):
+        assert kernel(x, out=y) is y
+    assert y.tolist() == [0.0, 2.0, 4.0, 6.0]
+    assert sum("@with_out" in ir for ir in modules) == 1

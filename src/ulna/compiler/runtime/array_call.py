@@ -188,11 +188,7 @@ class ArrayCall:
             self.check_values(arrays)
         fast_call = self.single() if batch == () and (out is None or self._is_exact(out)) else None
         if fast_call is not None:
-            self.single_code()
-            exact = [self._exact(a) for a in arrays]
-            if out is None:
-                return fast_call(*exact)
-            return fast_call(*exact, out=out if f.single or isinstance(out, tuple) else (out,))
+            return self._sample(fast_call, arrays, out)
         if self.interpreted:
             return self._interpret(arrays, out)
         if (
@@ -203,6 +199,15 @@ class ArrayCall:
         ):
             return self._threaded(arrays, batch, out, threads)
         return self._apply(arrays, out)
+
+    def _sample(self, fast_call: Any, arrays: Sequence[Any], out: Any) -> Any:
+        """The call of one sample by machine code."""
+        self.single_code()
+        exact = [self._exact(a) for a in arrays]
+        if out is None:
+            return fast_call(*exact)
+        gufunc.take_out(fast_call)
+        return fast_call(*exact, out=out if self.function.single or isinstance(out, tuple) else (out,))
 
     def _foreign_call(self, args: Sequence[Any], out: Any) -> Any:
         """The call where some arguments are arrays of other libraries."""

@@ -1,7 +1,8 @@
 """IR of a kernel's own code: `entry`, the 100 ns call from Python, and `work`, the same on bare pointers.
 
 `entry` is a CPython vectorcall function that reads the PyArrayObject fields when every argument is exactly a contiguous
-array of the right type and shape, and in every other case calls `with_out` of `fast_call`.
+array of the right type and shape, and in every other case calls `passed_on` of `fast_call`, or `with_out` once a call
+had an `out`.
 """
 
 from __future__ import annotations

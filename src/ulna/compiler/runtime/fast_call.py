@@ -690,5 +690,17 @@ def bound_ir(define: str, slow: str) -> str:
     return _TAKE + _GATHERED + _DIFFER + _COPIED + _REUSED + bound
 
 
-FAST_CALL_IR = {"with_out": _TAKE + _GIVEN, "bound": bound_ir("define ptr @bound", SLOW_IR)}
-"""By the name of the call. The first kernel of a process waits for `with_out`, so it comes without the other."""
+_PASSED_ON = f"""
+; A call that goes to the Python callable, whatever its arguments.
+define ptr @passed_on(ptr %self, ptr %args, i64 %flagged, ptr %keywords) nounwind {{
+entry:
+{load_at("plan", "self", PLAN)}
+  br label %slow
+{SLOW_IR}"""
+
+FAST_CALL_IR = {
+    "passed_on": _PASSED_ON,
+    "with_out": _TAKE + _GIVEN,
+    "bound": bound_ir("define ptr @bound", SLOW_IR),
+}
+"""By the name of the call. The first kernel of a process waits for `passed_on`; the others are compiled when needed."""

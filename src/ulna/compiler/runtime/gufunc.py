@@ -13,6 +13,7 @@ import sys
 import weakref
 from array import array
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from functools import cache, lru_cache
 from typing import Any, NamedTuple, final
 
@@ -33,6 +34,7 @@ from ulna.compiler.runtime.object_layout import (
     has_gil,
     ufunc_function,
 )
+from ulna.system.later import run_later
 from ulna.typing import Array as AnyArray
 
 _KEEP: list[Any] = []  # what NumPy keeps pointers to
@@ -51,24 +53,30 @@ def make_kernel(kind: type, slow: Callable[..., Any], element: DType) -> Any:
         The instance of `kind`.
     """
     words = {
-        entry_point.VECTORCALL: _fast_call("with_out"),
+        entry_point.VECTORCALL: _fast_call("passed_on"),
         entry_point.SLOW: id(slow),
         entry_point.PLAN: _plan_without_code(),
-        entry_point.OTHERWISE: _fast_call("with_out"),
+        entry_point.OTHERWISE: _fast_call("passed_on"),
         entry_point.ARRAY_TYPE: id(np.ndarray),
         entry_point.DESCRIPTOR: id(object_layout.NUMPY_TYPE[element]),
-        entry_point.NEW: _array_new(),
+        entry_point.NEW: array_function(object_layout.ARRAY_NEW),
         entry_point.TUPLE_NEW: c_function("PyTuple_New"),
         entry_point.SCALAR_NEW: array_function(object_layout.SCALAR_NEW),
         entry_point.FLOAT: id(float),
         entry_point.FLOAT64: id(np.float64),
     }
-    return native_types.make_instance(kind, words)
+    kernel, is_first = native_types.make_instance(kind, words), not _made_by_numpy
+    _made_by_numpy.append(weakref.ref(kernel))
+    if _array_new.cache_info().currsize or jit.is_stored(NEW_ARRAY_IR):
+        use_new_array()
+    elif is_first:  # which does not wait for LLVM to compile this
+        run_later("ulna new arrays", use_new_array)
+    return kernel
 
 
 @cache
 def _plan_without_code() -> int:
-    """Address of a plan with which `with_out` takes no arrays, and passes every call on."""
+    """Address of a plan for the time before there is code, with which `passed_on` finds how to call."""
     words = array("Q", [_common_words()["call"] if field == "call" else 0 for field in FIELDS])
     _KEEP.append(words)
     return words.buffer_info()[0]
@@ -85,6 +93,15 @@ def set_code(kernel: Any, code: int, plan: Plan) -> None:
     # Other threads may call meanwhile: `entry` works with either plan.
     for offset, word in ((entry_point.VECTORCALL, code), (entry_point.PLAN, plan.address)):
         ctypes.c_void_p.from_address(id(kernel) + offset).value = word
+
+
+def take_out(kernel: Any) -> None:
+    """Has a kernel with code run it in calls with `out=`, too, which go to the Python callable until then.
+
+    Args:
+        kernel: A kernel from `make_kernel`, after `set_code`.
+    """
+    ctypes.c_void_p.from_address(id(kernel) + entry_point.OTHERWISE).value = _fast_call("with_out")
 
 
 def make_bound(kind: type, plan: Plan, slow: Callable[..., Any]) -> Any:
@@ -124,18 +141,24 @@ def _release(*_: Any) -> None:
 @cache
 def _fast_call(name: str) -> int:
     """Address of code that all kernels share."""
-    if name == "with_out":
-        return _first_code().address(name)
-    code = jit.load_text(FAST_CALL_IR[name] if has_gil() else GUARDED_BOUND_IR, (name,))
+    text = FAST_CALL_IR[name] if has_gil() or name != "bound" else GUARDED_BOUND_IR
+    code = jit.load_text(text, (name,), has_loops=name == "bound", is_rare=name == "passed_on")
     _KEEP.append(code)
     return code.address(name)
 
 
-@cache
-def _first_code() -> jit.Code:
-    """What the first kernel of a process needs, in one piece of code: it loads in half the time of two."""
-    text = FAST_CALL_IR["with_out"] + NEW_ARRAY_IR
-    return jit.load_text(text, ("with_out", "new_array", "new_array_words"), has_loops=False)
+_made_by_numpy: list[weakref.ref[Any]] = []
+"""Kernels whose results NumPy makes, until `use_new_array`."""
+
+
+def use_new_array() -> None:
+    """Has all kernels make their results by compiled code, which is compiled or loaded now."""
+    address = _array_new()
+    with suppress(IndexError):  # several threads may take from the list
+        while True:
+            kernel = _made_by_numpy.pop()()
+            if kernel is not None:
+                ctypes.c_void_p.from_address(id(kernel) + entry_point.NEW).value = address
 
 
 @cache
@@ -143,8 +166,10 @@ def _array_new() -> int:
     """Address of what makes arrays, a function of the type of `PyArray_New`."""
     if not new_array.works():
         return array_function(object_layout.ARRAY_NEW)
-    new_array.fill(_first_code().address("new_array_words"))
-    return _first_code().address("new_array")
+    code = jit.load_text(NEW_ARRAY_IR, ("new_array", "new_array_words"), has_loops=False)
+    _KEEP.append(code)
+    new_array.fill(code.address("new_array_words"))
+    return code.address("new_array")
 
 
 class Binding(NamedTuple):
@@ -221,6 +246,7 @@ class Plan:
             "holder": 0 if holder is None else id(holder),
             "condition": 0 if condition is None else 1 + first + condition,
             "pool": self._pool() if holder not in (None, float, bool) else 0,
+            "array_new": 0 if bound is _UNBOUND else _array_new(),
             **_common_words(),
             "none": id(answer),
         }
@@ -282,7 +308,6 @@ def _common_words() -> dict[str, int]:
         "tuple_type": id(tuple),
         "out": id(sys.intern("out")),
         "none": id(None),
-        "array_new": _array_new(),
         "scalar_new": array_function(object_layout.SCALAR_NEW),
         "tuple_new": c_function("PyTuple_New"),
         "incref": c_function("Py_IncRef"),

@@ -15,6 +15,7 @@ from functools import cache, lru_cache, partial
 from typing import Any
 
 from ulna import disk_cache
+from ulna.compiler.codegen import copy_rows
 from ulna.compiler.codegen.heap_arrays import with_arrays_on_heap
 from ulna.compiler.codegen.rare_functions import rare_functions_of, with_rare_functions_apart
 from ulna.compiler.codegen.target import Target, arithmetic_of, register_bytes, wide_from
@@ -27,7 +28,7 @@ from ulna.system import forks, process_end
 from ulna.system.collector import paused_collection
 
 # Part of the cache's key: change it with `Passes`, `optimised` and `_machine`.
-_RECIPE = "rare functions apart, arrays on heap, inlining, combined if small, level 1 of short loops, codegen 2 or 1"
+_RECIPE = "rare functions apart, arrays on heap, inlining, combined if small, level 1 of short loops, codegen 2, 1 or 0"
 # How much IR text of one call and of a batch LLVM compiles, about [byte/s].
 _SPEED = {"entry": 4e6, "batch": 2e6, "kernel": 2e6, "xla": 2e6, "f.all": 2e6}
 _LOOPS_SPEED = 3e5  # the same of procedures, whose loops are optimised [byte/s]
@@ -133,8 +134,8 @@ _machine_of_level = cache(_new_machine)
 
 def _machine(ir: str, passes: Passes) -> Any:
     """LLVM's target machine for a module: with less effort where that is not missed."""
-    if passes is Passes.QUICK:
-        return _machine_of_level(0)
+    if passes is Passes.QUICK:  # elsewhere level 0 has another instruction selector, GlobalISel
+        return _machine_of_level(0 if target().triple.startswith("x86_64") else 1)
     return _machine_of_level(1 if passes is not Passes.LEVEL_1 and len(ir) > _SCHEDULED_TWICE else 2)
 
 
@@ -152,20 +153,20 @@ def load(f: Function, ir: str, names: tuple[str, ...]) -> Code:
     return _load(ir, lambda: ir, names, _passes_of(f, ir), partial(_announced, f, names[0]))
 
 
-def load_text(ir: str, names: tuple[str, ...], has_loops: bool = True) -> Code:
+def load_text(ir: str, names: tuple[str, ...], has_loops: bool = True, is_rare: bool = False) -> Code:
     """Machine code of `ir`, which belongs to no function and is compiled in a moment.
 
     Args:
         ir: The text of an LLVM module.
         names: Names of definitions in it.
         has_loops: Whether it has loops that LLVM is to optimise, which takes several times as long.
+        is_rare: Whether it is called so rarely that it is not to be optimised, which takes a quarter of the time.
 
     Returns:
         The loaded code; it must live as long as it is called.
     """
-    return _load(
-        ir, lambda: ir, names, _wanted(passes_for(ir, has_loops)), lambda size: contextlib.nullcontext()
-    )
+    passes = Passes.QUICK if is_rare else _wanted(passes_for(ir, has_loops))
+    return _load(ir, lambda: ir, names, passes, lambda size: contextlib.nullcontext())
 
 
 def is_stored(ir: str) -> bool:
@@ -244,7 +245,9 @@ def _rare_function(name: str, text: Callable[[], str], passes: Passes) -> int:
         content = _cached_object(key)
         if content is None:
             module = with_rare_functions_apart(text())[1][name]
-            chosen = passes if passes is Passes.QUICK else passes_for(module, has_loops=False)
+            is_copying = f"@{copy_rows.NAME}." in module  # of batches whose arrays have gaps
+            is_quick = not is_copying or passes is Passes.QUICK
+            chosen = Passes.QUICK if is_quick else passes_for(module, has_loops=False)
             content = interruptible(partial(_object, key, module, chosen))
         with _lock:
             code = _rare_functions.setdefault(name, _linked(content, (name,), 0.0, {}))
