@@ -182,9 +182,16 @@ class OfFields:
             function = _of_dictionary(chosen.build(EvaluatedModel(model).model), names)
             with np.errstate(all="ignore"):
                 return chosen._left(model, data, function(*read))
+        step = data._bound_at[self.name] = self._bind_with_numbers(model, data, names, read)
+        return step()
+
+    def _bind_with_numbers(self, model: Model, data: Data, names: list[str], read: list[Floats]) -> Any:
+        """Compiles it, and binds it to these inputs, which are arrays of the Data."""
         watch = [*model._watched(self.depends_on)]  # first: another thread may change a parameter meanwhile
         compiled = data._attach(model)
-        watch += [*self._constants(model, data)]
+        watch += [*self._constants(model, data), *((data._arrays[x], data._arrays[y]) for x, y in self.same)]
+        needed = self._needed(data)
+        watch += [(data._mark_of(name), np.zeros(())) for name in needed]
         side_targets, copied, values = self._sides(model, data)
 
         def build(core: CoreModel) -> Any:
@@ -194,19 +201,24 @@ class OfFields:
         inputs = [*copied, *read]
         sizes: dict[str, Any] = {f"x{k}": x.shape for k, x in enumerate(inputs)}
         kernel = compiled.live(compiled.compile((self.name, len(copied), tuple(values)), build, **sizes))
+        outputs = list(zip(self.fills, kernel.function.outputs, strict=False))
         condition = None if self.written is None else len(self.fills)
         last = [] if condition is None else [np.zeros(())]
-        step = data._bound_at[self.name] = kernel.into(
-            *(_filled(data, name) for name in self.fills),
-            *last,
-            *side_targets,
-            returns=self._returned(),
-            watch=not_read(kernel, watch),
-            otherwise=not_applicable,
-            trailing_inputs=inputs,
-            condition=condition,
-        )
-        return step()
+
+        def bind(otherwise: Any) -> Any:
+            return kernel.into(
+                *(_filled(data, name) if name else np.zeros(port.shape) for name, port in outputs),
+                *last,
+                *side_targets,
+                returns=self._returned(),
+                watch=not_read(kernel, watch),
+                otherwise=otherwise,
+                trailing_inputs=inputs,
+                condition=condition,
+                answer=getattr(data, self.answer) if self.answer else None,
+            )
+
+        return data._bound_after_reads(needed, bind) if needed else bind(not_applicable)
 
     def _know_states(self, data: Data) -> None:
         """Sets to nan the states that are not known yet, and notes those that it stores."""

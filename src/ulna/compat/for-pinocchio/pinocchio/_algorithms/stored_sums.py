@@ -26,7 +26,7 @@ from pinocchio._spatial.small_kernels import as_motion, body, pose
 from ulna import spatial
 from ulna.compiler.runtime.repeated_calls import CallCache
 from ulna.model import Model as CoreModel
-from ulna.numeric import cross, dot, less, where
+from ulna.numeric import cross, dot, is_symbolic, less, where
 from ulna.spatial import Motion
 from ulna.typing import Array
 
@@ -164,23 +164,31 @@ MOMENTUM_RATE = OfFields(
 def _centers(core: CoreModel) -> Any:
     """Centres of mass of what each joint moves, in its frame, and their rates where motions are of the placements."""
     parents = _parents(core)
+    own_masses = [0.0, *(Y.mass for Y in core.inertias)]
+    masses = _summed(parents, own_masses, lambda _, mass: mass)
 
-    def run(*args: Array) -> tuple[Any, ...]:
-        x = inputs_by_name(_CENTER_READS, args)
-        liMi, inertias, motions = x["liMi"], x["inertias"], (x["v"], x["a"])
-        masses = _summed(parents, _masses(inertias), lambda _, mass: mass)
-        own = [_points(row, [motion[k] for motion in motions]) for k, row in enumerate(inertias)]
-        results = []
-        for order in range(3):
-            shares = [mass * points[order] for mass, points in zip(_masses(inertias), own, strict=True)]
-            moved = (lambda i, x: liMi[i][:3, :3] @ x) if order else None
-            sums = _summed(
-                parents, shares, moved or (lambda i, x: liMi[i][:3, :3] @ x + masses[i] * liMi[i][:3, 3])
-            )
-            results.append(np.stack([x / mass for x, mass in zip(sums, masses, strict=True)]))
-        return results[0][0], *_of_known_motions(x, *results)
+    def run(x: dict[str, Array]) -> tuple[Any, ...]:
+        liMi, coms = x["liMi"], [np.zeros(3), *(Y.com for Y in core.inertias)]
+        own = [_points(com, x["v"][k], x["a"][k]) for k, com in enumerate(coms)]
+
+        def carried(i: int, sums: Array) -> Array:
+            R, p = liMi[i][:3, :3], liMi[i][:3, 3]
+            position, velocity, acceleration = (R @ one for one in sums)
+            return np.stack([position + masses[i] * p, velocity, acceleration])
+
+        shares = [mass * points for mass, points in zip(own_masses, own, strict=True)]
+        sums = _summed(parents, shares, carried)
+        results = np.stack([_quotient(total, mass) for total, mass in zip(sums, masses, strict=True)], axis=1)
+        return results[0, 0], *_of_known_motions(x, *results)
 
     return run
+
+
+def _quotient(total: Array, mass: Any) -> Array:
+    """A sum of shares by the mass of all, nan where nothing has mass."""
+    if not is_symbolic(mass) and not mass:
+        return np.full(np.shape(total), np.nan)
+    return total * (1.0 / mass)
 
 
 def _of_known_motions(x: dict[str, Array], com: Array, vcom: Array, acom: Array) -> list[Array]:
@@ -207,13 +215,10 @@ def _masses(inertias: Array) -> list[Any]:
     return [0.0 * inertias[0][0], *(row[0] for row in inertias[1:])]
 
 
-def _points(inertia: Array, motions: Sequence[Array]) -> list[Array]:
-    """The centre of mass of a body, its velocity and its acceleration, as far as the twist and the acceleration go."""
-    points = [inertia[1:4]]
-    for k, motion in enumerate(motions):
-        rate = motion[:3] + cross(motion[3:], inertia[1:4])
-        points.append(rate + cross(motions[0][3:], points[1]) if k else rate)
-    return points
+def _points(com: Array, v: Array, a: Array) -> Array:
+    """The centre of mass of a body, its velocity and its acceleration, (3, 3)."""
+    rate = v[:3] + cross(v[3:], com)
+    return np.stack([com, rate, a[:3] + cross(a[3:], com) + cross(v[3:], rate)])
 
 
 CENTERS = tuple(
@@ -232,6 +237,8 @@ CENTERS = tuple(
         ),
         _centers,
         same=(("velocities q", "placements q"), ("accelerations q", "placements q"))[:level],
+        of_numbers=True,
+        depends_on="inertias",
         stores=(("centers q", "placements q"),),
         leaves=_MASSES,
         state="placements",
