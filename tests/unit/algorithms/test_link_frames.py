@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import gc
+
 import numpy as np
 import pytest
 
 from support.random_models import KINDS, random_inertia, random_model, random_pose
 from ulna.algorithms import frame_jacobian, frame_pose, random
+from ulna.algorithms.multibody import link_frames
 from ulna.algorithms.multibody.link_frames import choose_link_frames, frame_chain
 from ulna.algorithms.multibody.mass_moments import (
     MassMoments,
@@ -44,6 +47,25 @@ def same_frames(model: Model) -> None:
 
 def test_poses_and_motion_subspaces_are_the_same(model: Model) -> None:
     same_frames(model)
+
+
+def test_frames_are_chosen_once_for_a_model_and_go_with_it() -> None:
+    made = random_model(np.random.default_rng(7100), list(KINDS), mimics=2)
+    links = choose_link_frames(made)
+    assert choose_link_frames(made) is links
+    few = choose_link_frames(made, [0])
+    assert len(few.tree) < len(links.tree)
+    assert choose_link_frames(made) is links
+    same_frames(made)
+    rng = np.random.default_rng(7101)
+    for _ in range(20):  # at the address of one that is gone, too
+        made = random_model(rng, list(KINDS), mimics=2)
+        same_frames(made)
+    key = id(made)
+    assert key in link_frames._chosen
+    del made
+    gc.collect()
+    assert key not in link_frames._chosen
 
 
 @pytest.mark.parametrize("root", [None, "free_flyer"])
