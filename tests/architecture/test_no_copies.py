@@ -49,9 +49,25 @@ class _Numbered(ast.NodeTransformer):
         return node
 
 
+def _body(function: ast.FunctionDef) -> list[ast.stmt]:
+    return function.body[1:] if ast.get_docstring(function) is not None else function.body
+
+
+def _kinds_of(function: ast.FunctionDef) -> tuple[type, ...]:
+    """The kinds of the nodes of its body but annotations of arguments: the same in functions of the same shape, and quickly listed."""
+    kinds: list[type] = []
+    waiting: list[ast.AST] = [*_body(function)]
+    while waiting:
+        node = waiting.pop()
+        kinds.append(type(node))
+        if not isinstance(node, ast.arg):
+            waiting.extend(ast.iter_child_nodes(node))
+    return tuple(kinds)
+
+
 def shape_of(function: ast.FunctionDef) -> str | None:
     """The body and the arguments of a function without its names; None for a short one."""
-    body = function.body[1:] if ast.get_docstring(function) is not None else function.body
+    body = _body(function)
     if sum(1 for statement in body for _ in ast.walk(statement)) < LEAST:
         return None
     bare = ast.FunctionDef(name="f", args=function.args, body=body, decorator_list=[], lineno=1, col_offset=0)
@@ -60,12 +76,17 @@ def shape_of(function: ast.FunctionDef) -> str | None:
 
 
 def copies(sources: dict[str, str]) -> set[frozenset[str]]:
-    groups: dict[str, list[str]] = defaultdict(list)
+    kinds: dict[tuple[type, ...], list[tuple[str, ast.FunctionDef]]] = defaultdict(list)
     for name, text in sources.items():
         for node in ast.walk(ast.parse(text)):
-            shape = shape_of(node) if isinstance(node, ast.FunctionDef) else None
-            if shape is not None and isinstance(node, ast.FunctionDef):
-                groups[shape].append(f"{name}: {node.name}")
+            if isinstance(node, ast.FunctionDef):
+                kinds[_kinds_of(node)].append((f"{name}: {node.name}", node))
+    groups: dict[str, list[str]] = defaultdict(list)
+    for alike in kinds.values():
+        for title, node in alike if len(alike) > 1 else ():
+            shape = shape_of(node)
+            if shape is not None:
+                groups[shape].append(title)
     return {frozenset(group) for group in groups.values() if len(group) > 1}
 
 

@@ -31,7 +31,7 @@ def both(script: Path, folder: Path, *arguments: str, package: str = "pinocchio"
 
     Args:
         script: Called with the file to write its answers to, then `arguments`; it writes {"file": path of the
-            package, "answers": anything}.
+            package, "answers": anything}, by `json.dumps`, which runs in C (`json.dump` does not).
         folder: For the two files.
         arguments: Further arguments of the script.
         package: Which compatibility package.

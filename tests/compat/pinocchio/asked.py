@@ -189,4 +189,4 @@ if __name__ == "__main__":
         text = MODEL + KINEMATICS + ("" if mimic else NOT_WITH_MIMIC)
         result = answers(text, prepared(file, root, mimic, other))
     with open(target, "w", encoding="utf-8") as out:
-        json.dump({"file": pin.__file__, "answers": result}, out)
+        out.write(json.dumps({"file": pin.__file__, "answers": result}))

@@ -37,4 +37,4 @@ if __name__ == "__main__":
     names = {"w": np.array([0.1, 0.2, 0.3]), "one": np.ones(1), "finite": finite}
     names["M"] = pin.XYZQUATToSE3(np.array([0.1, 0.2, 0.3, 0.0, 0.0, np.sin(0.2), np.cos(0.2)]))
     with open(sys.argv[1], "w", encoding="utf-8") as out:
-        json.dump({"file": pin.__file__, "answers": answers(BY_NAME, names)}, out)
+        out.write(json.dumps({"file": pin.__file__, "answers": answers(BY_NAME, names)}))

@@ -257,4 +257,4 @@ if __name__ == "__main__":
     result |= answers(OF_JOINTS, names | {"d": m.createData()})
     result |= answers(JACOBIAN, names | {"d": m.createData()})
     with open(target, "w", encoding="utf-8") as out:
-        json.dump({"file": pin.__file__, "answers": result}, out)
+        out.write(json.dumps({"file": pin.__file__, "answers": result}))

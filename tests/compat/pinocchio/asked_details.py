@@ -89,4 +89,4 @@ if __name__ == "__main__":
         "loaded": loaded(*files),
     }
     with open(target, "w", encoding="utf-8") as out:
-        json.dump({"file": pin.__file__, "answers": answers}, out)
+        out.write(json.dumps({"file": pin.__file__, "answers": answers}))

@@ -318,7 +318,7 @@ def main(target, file, root, mimic, used):
     if REAL:
         recorded["truths"] = [asked.truths(asked.first), asked.truths(asked.second)]
     with open(target, "w", encoding="utf-8") as out:
-        json.dump({"file": pin.__file__, "answers": recorded}, out)
+        out.write(json.dumps({"file": pin.__file__, "answers": recorded}))
 
 
 REAL = "site-packages" in pin.__file__

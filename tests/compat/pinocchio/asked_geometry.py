@@ -70,4 +70,4 @@ if __name__ == "__main__":
     for group in (FILES, BARE, TOGETHER, PAIRS):
         result |= {f"{len(result)} {said}": value for said, value in answers(group, dict(names)).items()}
     with open(target, "w", encoding="utf-8") as out:
-        json.dump({"file": pin.__file__, "answers": result}, out)
+        out.write(json.dumps({"file": pin.__file__, "answers": result}))

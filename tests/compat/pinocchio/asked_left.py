@@ -99,7 +99,7 @@ def main(target, file, root):
         if name == "rnea":
             found["body regressor"] = numbers(pin.frameBodyRegressor(m, d, frame))
     with open(target, "w", encoding="utf-8") as out:
-        json.dump({"file": pin.__file__, "answers": found}, out)
+        out.write(json.dumps({"file": pin.__file__, "answers": found}))
 
 
 if __name__ == "__main__":

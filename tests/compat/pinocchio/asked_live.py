@@ -45,4 +45,4 @@ def answers(calls: int) -> list[list[float]]:
 
 if __name__ == "__main__":
     with open(sys.argv[1], "w", encoding="utf-8") as out:
-        json.dump({"file": pin.__file__, "answers": answers(int(sys.argv[2]))}, out)
+        out.write(json.dumps({"file": pin.__file__, "answers": answers(int(sys.argv[2]))}))

@@ -191,4 +191,4 @@ if __name__ == "__main__":
         }
         result |= {f"{group} {said}": value for said, value in answers(text, names).items()}
     with open(target, "w", encoding="utf-8") as out:
-        json.dump({"file": pin.__file__, "answers": result}, out)
+        out.write(json.dumps({"file": pin.__file__, "answers": result}))

@@ -81,7 +81,7 @@ def main() -> None:
         answer = eval(line.strip(), names)
         answers[line] = np.round(answer, 9).tolist() if isinstance(answer, np.ndarray) else answer
     with open(sys.argv[1], "w", encoding="utf-8") as out:
-        json.dump({"file": pin.__file__, "answers": answers}, out)
+        out.write(json.dumps({"file": pin.__file__, "answers": answers}))
 
 
 if __name__ == "__main__":

@@ -129,7 +129,7 @@ def main(target, *files):
             found[f"{name} and another on frame {frame}"] = described(both) | {"shapes": all_of(shapes)}
     reduced(found)
     with open(target, "w", encoding="utf-8") as out:
-        json.dump({"file": pin.__file__, "answers": found}, out)
+        out.write(json.dumps({"file": pin.__file__, "answers": found}))
 
 
 if __name__ == "__main__":

@@ -87,7 +87,7 @@ def main(target: str, first: str, count: str) -> None:
         truths = [asked.truths(given) for given in asked.states] if REAL else None
         found.append({"tree": tree, "steps": asked.steps(random.Random(seed)), "truths": truths})
     with open(target, "w", encoding="utf-8") as out:
-        json.dump({"file": pin.__file__, "answers": found}, out)
+        out.write(json.dumps({"file": pin.__file__, "answers": found}))
 
 
 if __name__ == "__main__":

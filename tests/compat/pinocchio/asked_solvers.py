@@ -224,4 +224,4 @@ if __name__ == "__main__":
     first, count = map(int, numbers or (0, 0))
     answers = [asked(solver_name, seed) for seed in range(first, first + count)]
     with open(target, "w", encoding="utf-8") as file:
-        json.dump({"file": pin.__file__, "answers": answers or asked_degenerate(solver_name)}, file)
+        file.write(json.dumps({"file": pin.__file__, "answers": answers or asked_degenerate(solver_name)}))

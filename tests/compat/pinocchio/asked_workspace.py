@@ -124,4 +124,4 @@ if __name__ == "__main__":
     found = [dict(answers(robot(), *case)) for case in cases]
     found.append({"None": {"refused": refused_without_values(robot())}})
     with open(sys.argv[1], "w", encoding="utf-8") as out:
-        json.dump({"file": pin.__file__, "answers": found}, out)
+        out.write(json.dumps({"file": pin.__file__, "answers": found}))

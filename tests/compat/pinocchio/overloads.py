@@ -51,7 +51,7 @@ def main() -> None:
 
     found = {path: read(function.__doc__) for path, function in functions(pin)}
     with open(sys.argv[1], "w", encoding="utf-8") as out:
-        json.dump({path: overloads for path, overloads in found.items() if overloads}, out)
+        out.write(json.dumps({path: overloads for path, overloads in found.items() if overloads}))
 
 
 if __name__ == "__main__":

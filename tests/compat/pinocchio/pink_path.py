@@ -25,4 +25,4 @@ for _ in range(30):
     configuration.integrate_inplace(v, 0.02)
     path.append(configuration.q.tolist())
 with open(target, "w", encoding="utf-8") as out:
-    json.dump({"file": pin.__file__, "answers": path}, out)
+    out.write(json.dumps({"file": pin.__file__, "answers": path}))

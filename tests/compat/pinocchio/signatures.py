@@ -104,7 +104,7 @@ def main() -> None:
             count += 1
             found += [[path, what, [p[0] for p in parameters]] for what in differences(path, parameters)]
     with open(sys.argv[2], "w", encoding="utf-8") as out:
-        json.dump({"file": pin.__file__, "count": count, "differences": found}, out)
+        out.write(json.dumps({"file": pin.__file__, "count": count, "differences": found}))
 
 
 if __name__ == "__main__":

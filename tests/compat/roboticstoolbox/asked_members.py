@@ -118,4 +118,4 @@ if __name__ == "__main__":
     for group, text in GROUPS.items():
         result |= {f"{group} {said}": value for said, value in answers(text, {"copy": copy}).items()}
     with open(sys.argv[1], "w", encoding="utf-8") as out:
-        json.dump({"file": rtb.__file__, "answers": result}, out)
+        out.write(json.dumps({"file": rtb.__file__, "answers": result}))

@@ -91,7 +91,7 @@ def main(table: str, out: str, folder: str) -> None:
             "configs": [answers(robot, c, joint, frame) for c in figures["configs"]],
         }
     with open(out, "w", encoding="utf-8") as file:
-        json.dump(plain(found), file)
+        file.write(json.dumps(plain(found)))
 
 
 main(*sys.argv[1:])

@@ -98,7 +98,7 @@ def main(out: str, folder: str) -> None:
         robot = RobotWrapper.BuildFromURDF(f"{folder}/robots/{urdf}", [folder + "/.."])
         found[name] = answers(robot, f"{folder}/robots/{srdf}", posture)
     with open(out, "w", encoding="utf-8") as file:
-        json.dump({"file": pin.__file__, "found": found}, file)
+        file.write(json.dumps({"file": pin.__file__, "found": found}))
 
 
 main(*sys.argv[1:])

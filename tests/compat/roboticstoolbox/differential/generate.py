@@ -190,4 +190,4 @@ def generated() -> list[Call]:
 
 if __name__ == "__main__":
     with open(sys.argv[1], "w") as file:
-        json.dump([call._asdict() for call in generated()], file)
+        file.write(json.dumps([call._asdict() for call in generated()]))
