@@ -45,7 +45,7 @@ NAMES: dict[str, str] = {
     "frame_anchor": "pin.FrameAnchorConstraintModel(m, 3)",
     "touch": "pin.PointContactConstraintModel(m, 3)",
     "pseudo": "pin.PseudoInertia.FromInertia(I)",
-    "cholesky": "pin.LogCholeskyParameters.FromInertia(I)",
+    "cholesky": "pin.LogCholeskyParameters(np.linspace(-0.4, 0.5, 10))",
     "composite": "pin.JointModelComposite(pin.JointModelRX(), pin.SE3.Identity())",
 }
 """How each name is made; `prepared`, `data_of` and `filled` are those of `answers.py`."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import pickle
 from collections.abc import Iterator
 from typing import Any
 
@@ -231,3 +232,73 @@ def test_fields_of_a_data_are_there_or_the_nearest_is_named(pin: Any) -> None:
         data.oMI
     assert not np.array(data.oL).any() and not np.array(data.vxI).any() and (data.q_in == 0.0).all()
     assert copy.deepcopy(data).M.shape == (6, 6)
+
+
+def test_data_can_be_made_without_a_model_and_loaded(pin: Any) -> None:
+    model = pin.buildSampleModelManipulator()
+    data, loaded, q = model.createData(), pin.Data(), np.linspace(0.1, 0.6, 6)
+    pin.forwardKinematics(model, data, q)
+    assert len(loaded.oMi) == 1
+    loaded.loadFromString(data.saveToString())
+    assert loaded.oMi[3] == data.oMi[3]
+    np.testing.assert_array_equal(pin.rnea(model, loaded, q, q, q), pin.rnea(model, data, q, q, q))
+
+
+def test_motions_and_forces_are_divided_by_numbers_and_as_arrays_by_arrays(pin: Any) -> None:
+    numbers = np.arange(1.0, 7.0)
+    for kind in (pin.Motion, pin.Force):
+        np.testing.assert_array_equal((kind(numbers) / 2).vector, numbers / 2.0)
+        np.testing.assert_array_equal(kind(numbers) / numbers, np.ones(6))
+        np.testing.assert_array_equal(kind(numbers) / np.ones((3, 1)), np.tile(numbers, (3, 1)))
+        with pytest.raises(TypeError):
+            kind(numbers) / "2"
+
+
+def test_configurations_of_a_model_are_arrays_however_they_are_given(pin: Any) -> None:
+    configurations = pin.buildSampleModelManipulator().referenceConfigurations
+    configurations.update({"a": [1.0, 2.0]}, b=np.ones((3, 1)))
+    configurations |= {"c": (4, 5)}
+    assert configurations.setdefault("a", [7.0]).tolist() == [1.0, 2.0]
+    assert configurations.setdefault("d", [7.0]).tolist() == [7.0]
+    assert {key: q.tolist() for key, q in configurations.items()} == {
+        "a": [1.0, 2.0], "b": [1.0, 1.0, 1.0], "c": [4.0, 5.0], "d": [7.0]
+    }  # fmt: skip
+    assert configurations == copy.deepcopy(configurations) != {"a": np.ones(2)}
+    with pytest.raises(InputError, match="matrix"):
+        configurations["matrix"] = np.ones((2, 2))
+
+
+def test_pairs_of_geometries_stay_pairs_in_files_and_copies(pin: Any) -> None:
+    model = pin.buildSampleModelManipulator()
+    geometries = pin.buildSampleGeometryModelManipulator(model)
+    geometries.addAllCollisionPairs()
+    loaded = pin.GeometryModel()
+    loaded.loadFromString(geometries.saveToString())
+    for one in (loaded, pickle.loads(pickle.dumps(geometries)), copy.deepcopy(geometries)):
+        assert one == geometries
+        assert pickle.loads(pickle.dumps(list(one.collisionPairs))) == list(geometries.collisionPairs)
+        with pytest.raises(TypeError, match="CollisionPair"):
+            one.collisionPairs.append((0, 1))
+        one.addGeometryObject(geometries.geometryObjects[0])
+        assert one.ngeoms == geometries.ngeoms + 1
+    data = pickle.loads(pickle.dumps(geometries.createData()))
+    data.activeCollisionPairs = [False] * len(geometries.collisionPairs)
+    data.activeCollisionPairs[0] = 1
+    assert data.activeCollisionPairs[0] is True and not any(list(data.activeCollisionPairs)[1:])
+    with pytest.raises(TypeError, match="True or False"):
+        data.activeCollisionPairs[0] = "no"
+
+
+def test_a_visualizer_of_ones_own_keeps_its_own_viewer(pin: Any) -> None:
+    from pinocchio.visualize import BaseVisualizer
+
+    class Own(BaseVisualizer):
+        def initViewer(self) -> None:
+            self.viewer = "a window"
+
+    model = pin.buildSampleModelManipulator()
+    own = Own(model, None, pin.buildSampleGeometryModelManipulator(model))
+    own.initViewer()
+    assert own.viewer == "a window"
+    with pytest.raises(InputError, match="a window"):
+        BaseVisualizer(model).viewer = "a window"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 from collections.abc import Iterator
 from typing import Any
 
@@ -97,6 +98,13 @@ HELD = (
     ("pin.ModelPool(m, 2).getModel(int)", "int"),
     ("pin.ContactCholeskyDecomposition(m, d, np.zeros(6))", "constraint is"),
     ("pin.dIntegrateTransport(m, q, v, np.zeros(0), pin.ARG1)", "Jin"),
+    ("pin.Data(None)", "pinocchio.Model"),
+    ("pin.GeometryModel().collisionPairs.append(2)", "CollisionPair"),
+    ("pin.GeometryModel().collisionPairs.extend([pin.CollisionPair(0, 1), q])", "CollisionPair"),
+    ("pin.GeometryModel().createData().activeCollisionPairs.append('text')", "True or False"),
+    ("m.referenceConfigurations.update({3: q})", "expected a text"),
+    ("m.referenceConfigurations.__ior__({'here': 'there'})", "expected real numbers"),
+    ("m.referenceConfigurations.setdefault('here')", "None|real numbers"),
 )
 """What is assigned or passed, and what the message says of it."""
 
@@ -138,6 +146,32 @@ def test_what_is_no_model_or_no_data_of_it(call: str, names: dict[str, Any]) -> 
             with pytest.raises(InputError, match="expected|createData") as caught:
                 eval(call.format(m=m, d=d), names)
             assert isinstance(caught.value, TypeError) or d == "other"
+
+
+def test_every_function_checks_its_model_and_its_data(names: dict[str, Any]) -> None:
+    """Whatever else is passed: of what a function reads first, the model and the data are named."""
+    pin, checked = names["pin"], 0
+    usual = {"model": names["m"], "data": names["d"], **dict.fromkeys(("q", "v", "a", "tau"), names["q"])}
+    for name in dir(pin):
+        function = getattr(pin, name)
+        if name.startswith("_") or inspect.isclass(function) or not callable(function):
+            continue
+        parameters = inspect.signature(function).parameters.values()
+        needed = [p.name for p in parameters if p.default is p.empty and p.kind is p.POSITIONAL_OR_KEYWORD]
+        for which, wrong in (
+            ("model", 3),
+            ("model", None),
+            ("data", 3),
+            ("data", None),
+            ("data", names["other"]),
+        ):
+            if which not in needed or ({"model", "data"} - set(needed) and wrong is names["other"]):
+                continue
+            with pytest.raises(InputError) as caught:
+                function(*(wrong if x == which else usual.get(x, 2) for x in needed))
+            assert isinstance(caught.value, TypeError) or wrong is names["other"], (name, which)
+            checked += 1
+    assert checked > 400
 
 
 @pytest.mark.parametrize("call", ALONE)

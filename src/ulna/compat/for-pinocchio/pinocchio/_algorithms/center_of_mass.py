@@ -16,7 +16,7 @@ from pinocchio._algorithms.stored_sums import (
     subtree_columns,
 )
 from pinocchio._algorithms.stored_sums import CENTERS as FIELD_CENTERS
-from pinocchio._containers.arguments import OMITTED, checks_itself, wrong_model
+from pinocchio._containers.arguments import OMITTED, checked, checks_itself, wrong_model
 from pinocchio._containers.arrays import index
 from pinocchio._containers.enums import KinematicLevel
 from pinocchio._containers.keywords import overloads
@@ -247,6 +247,7 @@ def jacobianSubtreeCenterOfMass(
 
 
 @repeated_calls(_subtree_calls)
+@checked
 def getJacobianSubtreeCenterOfMass(model: Model, data: Data, subtree_root_joint_id: int) -> Floats:
     """The Jacobian of the centre of mass of what a joint moves, after jacobianCenterOfMass.
 

@@ -10,7 +10,7 @@ import numpy as np
 from pinocchio._algorithms.jacobians import JACOBIAN_RATES, JACOBIANS, columns, rates
 from pinocchio._algorithms.stored_derivatives import CORIOLIS
 from pinocchio._algorithms.stored_dynamics import inverse_of_fields
-from pinocchio._containers.arguments import check_model_and_data, checks_itself
+from pinocchio._containers.arguments import check_model_and_data, checked, checks_itself
 from pinocchio._containers.arrays import not_applicable
 from pinocchio._containers.enums import Convention
 from pinocchio._containers.keywords import overloads
@@ -342,6 +342,7 @@ _coriolis_calls = call_cache(2, weak=2)
 
 
 @repeated_calls(_coriolis_calls)
+@checked
 def getCoriolisMatrix(model: Model, data: Data) -> Floats:
     """The Coriolis matrix of the last derivatives of inverse dynamics.
 

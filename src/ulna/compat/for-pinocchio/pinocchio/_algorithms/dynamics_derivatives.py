@@ -17,6 +17,7 @@ from pinocchio._algorithms.jacobians import (
 )
 from pinocchio._algorithms.stored_derivatives import CENTROIDAL
 from pinocchio._algorithms.stored_dynamics import derivative_calls, derivatives_of_fields
+from pinocchio._containers.arguments import checked
 from pinocchio._containers.arrays import not_applicable, vector
 from pinocchio._containers.keywords import overloads
 from pinocchio._data.algorithm import Algorithm
@@ -276,6 +277,7 @@ _centroidal_calls = call_cache(2, weak=2)
 
 
 @repeated_calls(_centroidal_calls)
+@checked
 def getCentroidalDynamicsDerivatives(model: Model, data: Data) -> tuple[Floats, ...]:
     """Derivatives of the centroidal momentum at the state of the last computeRNEADerivatives.
 

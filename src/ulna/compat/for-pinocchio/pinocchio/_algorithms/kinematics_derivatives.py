@@ -26,6 +26,7 @@ from pinocchio._algorithms.stored_motions import (
     point_derivatives,
 )
 from pinocchio._algorithms.stored_sums import CENTER_RATE_COLUMNS
+from pinocchio._containers.arguments import checked
 from pinocchio._containers.arrays import index
 from pinocchio._containers.enums import ReferenceFrame, reference_of
 from pinocchio._data.algorithm import STATES
@@ -323,6 +324,7 @@ _center_calls = call_cache(2, weak=2)
 
 
 @repeated_calls(_center_calls)
+@checked
 def getCenterOfMassVelocityDerivatives(model: Model, data: Data) -> Floats:
     """The derivative (3, nv) of the velocity of the centre of mass by q.
 

@@ -222,19 +222,20 @@ def one_of(cls: type | tuple[type, ...], expected: str = "") -> AttributeKind:
     return kind
 
 
-def list_of(cls: type | tuple[type, ...], expected: str) -> AttributeKind:
+def list_of(entry: type | tuple[type, ...], expected: str, made: type[StdVec[Any]] = StdVec) -> AttributeKind:
     """The kind of attributes that are a list with entries of a class.
 
     Args:
-        cls: The class, or several.
+        entry: The class of entries, or several.
         expected: What a message says was expected.
+        made: The class of the list.
 
     Returns:
         The kind.
     """
 
     def kind(_: Any, name: str, value: Any) -> StdVec[Any]:
-        return StdVec(checked_list(name, value, cls, expected))
+        return made(checked_list(name, value, entry, expected))
 
     return kind
 

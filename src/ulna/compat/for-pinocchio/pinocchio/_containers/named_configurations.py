@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any, final
+from typing import Any, Self, final
 
 import numpy as np
 
-from pinocchio._containers.arrays import numbers
+from pinocchio._containers.arguments import WrongShape, check_text
+from pinocchio._containers.arrays import alike, numbers
 from ulna.typing import Floats
 
 
@@ -54,8 +55,49 @@ class StdMap_String_VectorXd(dict[str, Floats]):
         return out
 
     def __setitem__(self, key: str, value: Any) -> None:
+        check_text(key, "key")
         q = numbers(value, key).copy()
-        super().__setitem__(key, q.reshape(-1) if q.ndim == 2 and q.shape[1] == 1 else q)
+        q = q.reshape(-1) if q.ndim == 2 and q.shape[1] == 1 else q
+        if q.ndim != 1:
+            raise WrongShape(key, q.shape, "(nq,)")
+        super().__setitem__(key, q)
+
+    def update(self, *others: Any, **named: Any) -> None:
+        """Takes over the configurations of dictionaries.
+
+        Args:
+            *others: A dictionary of configurations, or pairs of names and configurations.
+            **named: Configurations by their names.
+        """
+        for key, q in dict(*others, **named).items():
+            self[key] = q
+
+    def setdefault(self, key: str, default: Any = None) -> Floats:  # pyright: ignore[reportIncompatibleMethodOverride]
+        """The configuration of a name; what is given where there is none yet.
+
+        Args:
+            key: The name.
+            default: The configuration (nq,).
+
+        Returns:
+            The configuration (nq,).
+        """
+        if key not in self:
+            self[key] = default
+        return self[key]
+
+    def __ior__(self, others: Any) -> Self:  # pyright: ignore[reportIncompatibleMethodOverride]
+        self.update(others)
+        return self
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, dict):
+            return NotImplemented
+        return self.keys() == other.keys() and all(alike(q, other[key]) for key, q in self.items())
+
+    def __ne__(self, other: object) -> bool:
+        equal = self.__eq__(other)
+        return equal if equal is NotImplemented else not equal
 
     def __array__(self, dtype: Any = None, copy: bool | None = None) -> np.ndarray[Any, Any]:
         """What NumPy takes it for: the sequence of its entries, of numbers where there are none."""

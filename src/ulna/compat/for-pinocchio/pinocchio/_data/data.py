@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, final
 
 import numpy as np
 
-from pinocchio._containers.arguments import WrongShape
+from pinocchio._containers.arguments import OMITTED, WrongShape
 from pinocchio._containers.arrays import ArrayRows, StdVec, matrix, numbers, real, vector, views
 from pinocchio._containers.attributes import (
     AttributeKind,
@@ -241,12 +241,15 @@ class Data(CheckedAttributes, Saved, TreeFields):
         constraint_chol: Any  # from here on made in the folder _constraints
         contact_chol: Any
 
+    _empty_model: ClassVar[type[KinematicTree]]
+    """The class of the model of a Data() that is to be loaded from a file; set where the class of models is."""
     _model: KinematicTree
     _known_states: set[str]
     _marks: array[float]
     _lists: _Lists
 
-    def __init__(self, model: KinematicTree) -> None:
+    def __init__(self, model: KinematicTree = OMITTED) -> None:
+        model = self._empty_model() if model is OMITTED else model
         own = self.__dict__  # attributes that are set are checked, which would take half as long again
         own["_model"], own["_layout"], own["nframes"] = model, model._layout, model.nframes
         own["_arrays"], own["_known_states"] = FieldArrays(model), set()

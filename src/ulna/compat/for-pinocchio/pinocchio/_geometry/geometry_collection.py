@@ -16,6 +16,7 @@ from pinocchio._containers.watched_lists import before_changes
 from pinocchio._geometry.collision_pair import CollisionPair, known_pairs
 from pinocchio._geometry.geometry_object import GeometryObject
 from pinocchio._model.building import KinematicTree
+from ulna.errors import excerpt
 from ulna.system import forks
 from ulna.typing import Array, Floats
 
@@ -40,6 +41,20 @@ class GeometryList(StdVec[GeometryObject]):
         return GeometryList, (list(self),)
 
 
+class PairList(StdVec[CollisionPair]):
+    """The pairs of geometries that are checked."""
+
+    def _checked(self, entry: Any) -> CollisionPair:
+        if not isinstance(entry, CollisionPair):
+            raise ArgumentError(
+                f"A list of pairs was given {excerpt(repr(entry))}; expected a CollisionPair."
+            )
+        return entry.copy()
+
+
+PairList.__name__ = "StdVec_CollisionPair"  # as scripts see it
+
+
 class GeometryCollection(CheckedAttributes, Saved):
     """The geometries of a robot, of one kind, and the pairs of them to check for collisions."""
 
@@ -55,7 +70,7 @@ class GeometryCollection(CheckedAttributes, Saved):
     def __init__(self, other: GeometryCollection | None = None) -> None:
         self._keep(geometryObjects=GeometryList(() if other is None else copies(other.geometryObjects)))
         if other is None:
-            self._keep(collisionPairs=StdVec())
+            self._keep(collisionPairs=PairList())
         else:
             self.__dict__["_unmade_pairs"] = other._pairs_now()
 
@@ -75,7 +90,7 @@ class GeometryCollection(CheckedAttributes, Saved):
         with _MAKING:
             found = self.__dict__.get("_unmade_pairs")
             if found is not None:  # another thread may have made them meanwhile
-                self._keep(collisionPairs=StdVec([CollisionPair._of_indices(*pair) for pair in found]))
+                self._keep(collisionPairs=PairList([CollisionPair._of_indices(*pair) for pair in found]))
                 del self.__dict__["_unmade_pairs"]
 
     @property
@@ -182,6 +197,13 @@ class GeometryCollection(CheckedAttributes, Saved):
     def __getstate__(self) -> dict[str, Any]:
         self._make_pairs()
         return {name: x for name, x in self.__dict__.items() if name not in ("_pair_calls", "_known_pairs")}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        for name in ("_pair_calls", "_known_pairs", "_unmade_pairs"):
+            self.__dict__.pop(name, None)
+        self.__dict__.update(state)
+        objects, pairs = state["geometryObjects"], state["collisionPairs"]
+        self._keep(geometryObjects=GeometryList(objects), collisionPairs=PairList(pairs))
 
     def copy(self) -> Self:
         """A copy that shares the shapes."""

@@ -7,6 +7,7 @@ from typing import Any, ClassVar, NamedTuple, final
 
 import numpy as np
 
+from pinocchio._containers.arguments import ArgumentError, is_flag, is_index
 from pinocchio._containers.arrays import StdVec, alike, index, not_applicable, views
 from pinocchio._containers.attributes import (
     AttributeKind,
@@ -21,7 +22,7 @@ from pinocchio._geometry.geometry_object import GeometryObject
 from pinocchio._geometry.pair_functors import ComputeCollision, ComputeDistance
 from pinocchio._spatial.se3 import SE3
 from ulna.compiler.runtime.repeated_calls import forget
-from ulna.errors import InputError
+from ulna.errors import InputError, excerpt
 
 
 class Placing(NamedTuple):
@@ -38,6 +39,18 @@ class Placing(NamedTuple):
     call: Callable[[], Any] = not_applicable
 
 
+class FlagList(StdVec[bool]):
+    """For each pair whether it is checked."""
+
+    def _checked(self, entry: Any) -> bool:
+        if not (is_flag(entry) or is_index(entry)):
+            raise ArgumentError(f"A list of flags was given {excerpt(repr(entry))}; expected True or False.")
+        return bool(entry)
+
+
+FlagList.__name__ = "StdVec_Bool"  # as scripts see it
+
+
 @final
 class GeometryData(CheckedAttributes, Saved):
     """Where the geometries are, and what was found about pairs of them: `geometry_model.createData()`.
@@ -47,7 +60,9 @@ class GeometryData(CheckedAttributes, Saved):
 
     _kinds: ClassVar[Mapping[str, AttributeKind]] = {
         "oMg": assigned_entries(SE3, "a list of SE3, one for each geometry"),
-        "activeCollisionPairs": list_of((bool, np.bool_), "a list of True or False, one for each pair"),
+        "activeCollisionPairs": list_of(
+            (bool, np.bool_), "a list of True or False, one for each pair", FlagList
+        ),
         "radius": list_of((float, int), "a list of numbers"),
         **dict.fromkeys(("collisionRequests", "distanceRequests", "contactPatchRequests"), computed),
         **dict.fromkeys(("collisionResults", "distanceResults", "contactPatchResults"), computed),
@@ -63,7 +78,7 @@ class GeometryData(CheckedAttributes, Saved):
         pairs = geometry_model.collisionPairs
         self._objects = geometry_model.geometryObjects
         self._pairs = StdVec(pairs)
-        self.activeCollisionPairs: StdVec[bool] = StdVec([True] * len(pairs))
+        self.activeCollisionPairs: StdVec[bool] = FlagList([True] * len(pairs))
         """Whether each pair is checked."""
         self.radius: StdVec[float] = StdVec()
         """For each joint, how far its geometries reach from it [m]; after `computeBodyRadius`."""
@@ -153,11 +168,11 @@ class GeometryData(CheckedAttributes, Saved):
 
     def activateAllCollisionPairs(self) -> None:
         """Has every pair checked."""
-        self.activeCollisionPairs = StdVec([True] * len(self._pairs))
+        self.activeCollisionPairs = FlagList([True] * len(self._pairs))
 
     def deactivateAllCollisionPairs(self) -> None:
         """Has no pair checked."""
-        self.activeCollisionPairs = StdVec([False] * len(self._pairs))
+        self.activeCollisionPairs = FlagList([False] * len(self._pairs))
 
     def fillInnerOuterObjectMaps(self, geometry_model: GeometryCollection) -> None:
         """Does nothing: the geometries of each joint are looked up in the model when they are needed.
@@ -181,7 +196,7 @@ class GeometryData(CheckedAttributes, Saved):
             upper: Whether entries above the diagonal count, else those below it.
         """
         marks = pair_map(geometry_model, collision_map, upper)
-        self.activeCollisionPairs = StdVec(bool(marks[min(p), max(p)]) for p in self._pairs)
+        self.activeCollisionPairs = FlagList(bool(marks[min(p), max(p)]) for p in self._pairs)
 
     def setGeometryCollisionStatus(
         self, geom_model: GeometryCollection, geom_id: int, enable_collision: bool
@@ -232,7 +247,7 @@ class GeometryData(CheckedAttributes, Saved):
     def __getstate__(self) -> dict[str, Any]:
         state = {"_block": self._block.copy(), "_objects": self._objects, "_pairs": StdVec(self._pairs)}
         return state | {
-            "activeCollisionPairs": StdVec(self.activeCollisionPairs),
+            "activeCollisionPairs": FlagList(self.activeCollisionPairs),
             "radius": StdVec(self.radius),
         }
 

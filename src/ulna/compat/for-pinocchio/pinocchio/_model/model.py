@@ -330,3 +330,4 @@ for _old, _new in (
 
 
 register(Model)
+Data._empty_model = Model

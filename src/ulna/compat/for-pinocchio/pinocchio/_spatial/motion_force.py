@@ -191,7 +191,7 @@ class _Six:
 
     __rmul__ = __mul__
 
-    def __truediv__(self, divisor: float) -> Any:
+    def __truediv__(self, divisor: Any) -> Any:
         return self._of(self._v / real(divisor, "divisor")) if np.ndim(divisor) == 0 else NotImplemented
 
     def __eq__(self, other: object) -> bool:

@@ -74,12 +74,25 @@ class Attachment(abc.ABC):
 
     @property
     def viewer(self) -> Any:
-        """The client: `viewer.gui` has the calls that draw, `viewer.viewer` is the `ulna.Viewer`."""
-        return self._viewer if self._gui is not None else None
+        """The client: `viewer.gui` has the calls that draw, `viewer.viewer` is the `ulna.Viewer`.
+
+        In a class of your own with its own `initViewer` it is what that assigned to it.
+        """
+        return self._viewer if self._opens_its_own or self._gui is not None else None
 
     @viewer.setter
     def viewer(self, viewer: Any) -> None:
-        self._attach(viewer, {})
+        try:
+            self._attach(viewer, {})
+        except InputError:
+            if not self._opens_its_own:
+                raise
+            self._viewer = viewer
+
+    @property
+    def _opens_its_own(self) -> bool:
+        """Whether another program's subclass draws in its own way."""
+        return type(self).initViewer.__module__.partition(".")[0] != Attachment.__module__.partition(".")[0]
 
     @property
     def _scene(self) -> Any:
