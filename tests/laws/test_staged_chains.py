@@ -189,6 +189,7 @@ def test_dynamics_of_thousands_of_joints(name):
     assert np.abs(single - right).max() < 1e-4 * scale
 
 
+@pytest.mark.filterwarnings("ignore:The mass matrix of:ulna.errors.ModelWarning")
 @pytest.mark.parametrize(("name", "count"), [("inverse_mass_matrix", 1), ("forward_dynamics_derivatives", 3)])
 def test_single_precision_of_long_chains_is_that_of_double(name, count):
     """Masses of long chains need float64: stages compute in it, and results are rounded."""

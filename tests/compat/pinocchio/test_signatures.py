@@ -16,7 +16,6 @@ from ulna.robots.example_robot_data import share_folder
 HERE = Path(__file__).parent
 FROM_AN_INDEX = "made by `createData`, which knows the joint; an empty one is of no use"
 REASONS = {
-    "Data.__init__": "an empty Data is of no use",
     "JointDataComposite.__init__": FROM_AN_INDEX,
     "Model.existFrame": "None stands for all types",
     "Model.getFrameId": "None stands for all types",

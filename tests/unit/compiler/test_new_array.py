@@ -185,10 +185,15 @@ def test_the_allocator_of_a_user_is_used():
 @pytest.mark.parametrize("shape", [(1 << 50,), (1 << 25, 1 << 25)])
 def test_too_large_an_array_is_an_error_and_leaves_nothing(shape):
     handlers = ctypes.c_ssize_t.from_address(new_array._default_handler()[0])
-    before = sys.getrefcount(np.dtype(float)), handlers.value, sys.getallocatedblocks()
-    for _ in range(50):
-        with pytest.raises(MemoryError):
-            made(shape)
-    gc.collect()
-    assert (sys.getrefcount(np.dtype(float)), handlers.value) == before[:2]
-    assert sys.getallocatedblocks() - before[2] < 50
+    references = sys.getrefcount(np.dtype(float)), handlers.value
+    grown = []
+    for _ in range(5):  # other threads, and what is imported for the first error, allocate as well
+        gc.collect()
+        before = sys.getallocatedblocks()
+        for _ in range(200):
+            with pytest.raises(MemoryError):
+                made(shape)
+        gc.collect()
+        grown.append(sys.getallocatedblocks() - before)
+    assert (sys.getrefcount(np.dtype(float)), handlers.value) == references
+    assert min(grown) < 100
