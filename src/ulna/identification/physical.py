@@ -31,7 +31,7 @@ def pseudo_inertia(parameters: ArrayLike) -> Floats:
 
 
 def pseudo_inertia_of(p: Array) -> Array:
-    """P, (..., 4, 4), of the ten parameters (..., 10), which are not looked at."""
+    """P, (..., 4, 4), of the ten parameters (..., 10), which are not checked."""
     tensor = batch_zeros((3, 3), p)
     for k, (i, j) in enumerate(_PLACES):
         tensor[..., i, j] = tensor[..., j, i] = p[..., 4 + k]
@@ -79,7 +79,7 @@ def from_log_cholesky(t: ArrayLike) -> Floats:
 
 
 def pseudo_inertia_of_factor(t: Array) -> Array:
-    """P, (..., 4, 4), of t, (..., 10), which is not looked at."""
+    """P, (..., 4, 4), of t, (..., 10), which is not checked."""
     U = _factor(t)
     return U @ np.swapaxes(U, -1, -2)
 
@@ -90,7 +90,7 @@ def log_cholesky_jacobian(t: ArrayLike) -> Floats:
 
 
 def jacobian_of_factor(t: Array) -> Array:
-    """The derivative (..., 10, 10) of the parameters by t, (..., 10), which is not looked at."""
+    """The derivative (..., 10, 10) of the parameters by t, (..., 10), which is not checked."""
     U = _factor(t)
     scale = np.exp(t[..., 0])
     columns = []

@@ -145,12 +145,12 @@ def center_of_mass_jacobian(model: Model, q: Array, subtree: str | None = None) 
     J = batch_zeros((3, model.nv), q)
     T = [*poses(tree, q), SE3.identity()]  # the last one is that of the world, the parent -1
     for i, (step, m, c) in enumerate(zip(tree, masses, moments, strict=True)):
-        frame, seen = T[i], c
+        frame, moment = T[i], c
         if step.moves_along_one_screw:  # the fixed frame depends on one position less
             X = step.transform(q)
-            frame, seen = T[step.parent] @ step.placement, apply(X.rotation, c) + m * X.translation
+            frame, moment = T[step.parent] @ step.placement, apply(X.rotation, c) + m * X.translation
         for k, s in zip(step.indices, step.subspace(), strict=True):
-            J[..., :, k] += apply(frame.rotation, (m * s.linear + cross(s.angular, seen)) * step.multiplier)
+            J[..., :, k] += apply(frame.rotation, (m * s.linear + cross(s.angular, moment)) * step.multiplier)
     return J * _reciprocal(model, subtree)
 
 

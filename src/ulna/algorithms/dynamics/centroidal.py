@@ -58,11 +58,11 @@ def centroidal_matrix(model: Model, q: Array) -> Array:
     A = batch_zeros((6, model.nv), q)
     G = _centred(prepared, subtrees, q)
     for i, (step, body) in enumerate(zip(tree, subtrees, strict=True)):
-        frame, seen = G[i], body
+        frame, inertia = G[i], body
         if step.moves_along_one_screw:  # the fixed frame depends on one position less
-            frame, seen = G[step.parent] @ step.placement, in_fixed_frame(step, body, q)
+            frame, inertia = G[step.parent] @ step.placement, in_fixed_frame(step, body, q)
         for k, s in step.columns():
-            add_column(A, k, frame.act(seen.apply(s)))
+            add_column(A, k, frame.act(inertia.apply(s)))
     return A
 
 

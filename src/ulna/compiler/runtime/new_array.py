@@ -43,7 +43,7 @@ _WORDS = (
     "array_new", "get_handler", "handler", "malloc", "context",
     "object_new", "object_free", "raw_malloc", "raw_free", "track", "incref", "decref", "double", "float",
 )  # fmt: skip
-"""The words of the table that `words` fills: functions and objects of CPython and NumPy."""
+"""The words of the table that `fill` fills: functions and objects of CPython and NumPy."""
 _C_FUNCTIONS = {
     "object_new": "_PyObject_New", "object_free": "PyObject_Free", "raw_malloc": "PyMem_RawMalloc",
     "raw_free": "PyMem_RawFree", "track": "PyTraceMalloc_Track", "incref": "Py_IncRef", "decref": "Py_DecRef",
@@ -57,7 +57,7 @@ _HANDLER_VERSION, _HANDLER_CONTEXT = 127, 128
 _TP_ALLOC, _TP_FREE = 47, 74
 """Numbers of slots of types in CPython's stable interface."""
 _FIRST_VERSION, _LAST_VERSION = (2, 0), (2, 4)
-"""NumPy's, by whose sources and behaviour this was checked: with which allocator it frees lengths can not be read."""
+"""NumPy's, by whose sources and behaviour this was checked: with which allocator it frees lengths cannot be read."""
 _MOST_AXES = 7
 """NumPy keeps blocks of up to 15 lengths and steps for other arrays; longer ones are not worth it."""
 
@@ -187,7 +187,7 @@ def works() -> bool:
         return False
     if not fast_call_works() or not has_gil():
         return False
-    if np.ndarray.__basicsize__ != MEMORY_HANDLER + WORD or not _is_made_plainly(np.ndarray):
+    if np.ndarray.__basicsize__ != MEMORY_HANDLER + WORD or not _has_default_allocation(np.ndarray):
         return False
     handler, table = _default_handler()
     if not handler or ctypes.c_uint8.from_address(table + _HANDLER_VERSION).value != 1:
@@ -226,7 +226,7 @@ def _word_at(address: int) -> int:
     return ctypes.c_uint64.from_address(address).value
 
 
-def _is_made_plainly(kind: type) -> bool:
+def _has_default_allocation(kind: type) -> bool:
     """Whether objects of a type are allocated and freed as those of most types."""
     slot = ctypes.pythonapi.PyType_GetSlot
     slot.restype, slot.argtypes = ctypes.c_void_p, [ctypes.py_object, ctypes.c_int]

@@ -193,13 +193,13 @@ class _State(NamedTuple):
         local = algorithms.joint_velocities(core, q, v)
         twists = [T.act(one) for T, one in zip(poses, local, strict=True)]
         momenta = [T.act(Y.apply(one)) for T, Y, one in zip(poses, core.inertias, local, strict=True)]
-        falling = [Motion(-np.asarray(core.gravity), np.zeros(3))]
+        with_gravity = [Motion(-np.asarray(core.gravity), np.zeros(3))]
         for T, one in zip(poses, algorithms.joint_accelerations(core, q, v, a), strict=True):
-            falling.append(falling[0] + T.act(one))
+            with_gravity.append(with_gravity[0] + T.act(one))
         return cls(
             _columns(core, x, q),
             _Stored.of(x, "ov", "velocities", moving, _rows(twists)),
-            _Stored.of(x, "oa_gf", "falling", {**moving, "a": a}, _rows(falling)),
+            _Stored.of(x, "oa_gf", "accelerations_with_gravity", {**moving, "a": a}, _rows(with_gravity)),
             _Stored.of(x, "oh", "momenta", moving, _rows(momenta)),
         )
 
@@ -275,22 +275,22 @@ class _Sweep:
         """Derivatives of the torques by q and v (nv, nv), and of forces by q, v and a (6, nv)."""
         n = len(self.J)
         by_q, by_v = (batch_zeros((n, n), self.J[0].vector()[0]) for _ in range(2))
-        turned, rated, lifted = ([Force.zero()] * n for _ in range(3))
+        dF_dq, dF_dv, dF_da = ([Force.zero()] * n for _ in range(3))
         for i in range(len(self.tree.parents) - 1, 0, -1):
             own, moved = self.tree.entries[i], _moved(self.tree, i)
             for k in own:
-                turned[k], rated[k], lifted[k] = self.columns(i, k)
+                dF_dq[k], dF_dv[k], dF_da[k] = self.columns(i, k)
             for k in own:
                 for c in moved:
-                    by_q[k, c], by_v[k, c] = self.J[k].dot(turned[c]), self.J[k].dot(rated[c])
+                    by_q[k, c], by_v[k, c] = self.J[k].dot(dF_dq[c]), self.J[k].dot(dF_dv[c])
             for k in own:
-                turned[k] = turned[k] + self.J[k].cross(self.F[i])
+                dF_dq[k] = dF_dq[k] + self.J[k].cross(self.F[i])
                 back = self.B[i].transposed(self.J[k])
                 back = back + back
                 for c in (c for j in self.tree.ancestors(i) for c in self.tree.entries[j]):
-                    by_q[k, c] = lifted[k].dot(self.P[c]) + back.dot(self.R[c])
-                    by_v[k, c] = lifted[k].dot(self.Q[c]) + back.dot(self.J[c])
-        return by_q, by_v, *(_rows(one).T for one in (turned, rated, lifted))
+                    by_q[k, c] = dF_da[k].dot(self.P[c]) + back.dot(self.R[c])
+                    by_v[k, c] = dF_da[k].dot(self.Q[c]) + back.dot(self.J[c])
+        return by_q, by_v, *(_rows(one).T for one in (dF_dq, dF_dv, dF_da))
 
 
 def _derivatives_of_fields(core: CoreModel) -> Any:
@@ -307,8 +307,8 @@ def _derivatives_of_fields(core: CoreModel) -> Any:
         by_q, by_v, *columns = sweep.torques()
         inverse = _Articulated.of(core, tree, x["forward_dynamics q"]).inverse(tree, state.J.values)
         g = Motion(np.asarray(core.gravity), np.zeros(3))
-        rising = [P + g.cross(s) for P, s in zip(sweep.P, sweep.J, strict=True)]
-        motions = (_rows(one).T for one in (sweep.dJ, rising, sweep.Q))
+        without_gravity = [P + g.cross(s) for P, s in zip(sweep.P, sweep.J, strict=True)]
+        motions = (_rows(one).T for one in (sweep.dJ, without_gravity, sweep.Q))
         through = _rows(sweep.F[1:])
         return -(inverse @ by_q), -(inverse @ by_v), inverse, inverse, by_q, by_v, *motions, *columns, through
 
@@ -346,24 +346,24 @@ def _forward(record: str, *more: str) -> OfFields:
         "as_they_are": (
             ("J", "jacobians", ""),
             ("ov", "velocities", ""),
-            ("oa_gf", "falling", ""),
+            ("oa_gf", "accelerations_with_gravity", ""),
             ("oh", "momenta", "subtree momenta"),
         ),
         "stores": tuple((f"jacobian_rates {x}", f"forward_dynamics {x}") for x in "qv"),
         "state": "forward_dynamics",
         "depends_on": "parameters",
     }
-    spoilt = ("derivatives_of_fields", ("Fcrb",))
+    invalid = ("derivatives_of_fields", ("Fcrb",))
     return OfFields(
         record.replace("_", " "),
         fills=_FILLED,
         build=with_mass(_derivatives),
-        leaves=((record, (*_DEFERRED, "of")), spoilt),
+        leaves=((record, (*_DEFERRED, "of")), invalid),
         written=OfFields(
             f"{record.replace('_', ' ')} of fields",
             fills=(*_FILLED, *_DEFERRED, "of[1:]"),
             build=with_mass(_derivatives_of_fields),
-            leaves=(spoilt,),
+            leaves=(invalid,),
             **common,
         ),
         **common,

@@ -24,7 +24,7 @@ STATES = {
     "center_jacobian": "q",
     "center_columns": "q",
     "momenta": "qv",
-    "falling": "qva",
+    "accelerations_with_gravity": "qva",
 }
 """The states that results in a Data belong to, with a letter for each array.
 
@@ -39,7 +39,7 @@ STATES_READ = (
     ("centers", "com"),
     ("center_velocities", "vcom"),
     ("momenta", "oh"),
-    ("falling", "oa_gf"),
+    ("accelerations_with_gravity", "oa_gf"),
 )
 """States, and the field that each is of from when the field is computed, nan where it depends on less."""
 _STATE_OF = {
